@@ -108,8 +108,8 @@ def first_break(search: Search) -> int:
 def break_end(end: float, seen: float, search: Search, *, is_leading: bool) -> float:
     """Time [s] at which a step to an end, or to a crossing in it, must end by the first jump.
 
-    That is the end where it leads over the jump, as it is made to, and what is seen where no jump
-    is, or an event is nearer. One that is too wide for its error is made narrower.
+    It is the end where the step is made to lead over the jump, and does, and the time that is seen
+    where no jump is, or an event is nearer. One that is too wide for its error is made narrower.
     """
     find_breaks(search)
     first = first_break(search)

@@ -1,12 +1,12 @@
 """Crossing: steps end where events are and where formulas of the state have a kink or a jump.
 
 This is event location: a step that was tried is searched before it is kept. Its polynomial, the
-dense output, tells at some times what formulas read: coordinates, lengths of springs, their rates.
-That bounds them between these times, and they bound the functions and their rates, as of switching
-functions of time. What is nearer to zero than the error of a step may be counts as zero: a function
-crosses when it is beyond on the other side. Where bounds tell that one crosses once its time is
-bisected. Then the step is made again, to end there. Parts of formulas that vary with the state
-beyond polynomials are bounded likewise: where samples do not tell how, the step is made shorter.
+dense output, gives at some times what formulas read: coordinates, lengths of springs, their rates.
+Bounds of these between the times bound the functions and their rates, as of switching functions of
+time. Values that are nearer to zero than the error of a step count as zero: a function crosses when
+it is beyond on the other side. Where bounds show that one crosses once, its time is bisected. Then
+the step is made again, to end there. Parts of formulas that vary with the state beyond polynomials
+are bounded likewise: where samples do not show how, the step is made shorter.
 """
 
 from __future__ import annotations
@@ -43,55 +43,55 @@ ONWARD = 8.0
 #: In how many parts a step is searched, and how many nodes there are at most.
 CELLS = 4
 MOST_NODES = 512
-#: Second derivatives may be so much further from those of a cubic polynomial as it is from a
-#: parabola.
+#: Second derivatives are taken to be within so many times their rise in a cubic polynomial, above
+#: and below their mean.
 DOUBT = 2.0
-#: How much bounds may exceed what samples tell.
+#: Factor by which bounds may exceed the variation of samples.
 EXPLAINED = 2.0
-#: How much the variation of a part may, as its bounds tell, of what samples show: a hill between
-#: them goes up and down, and has twice of it.
+#: Factor by which bounds of the variation of a part may exceed that of samples: a hill between them
+#: goes up and down, and has twice of it.
 SHOWN = 1.5
-#: What always may be left, by the size of a part; of a force also what moves the lightest body by
-#: this part of the tolerance, of the length of the scene.
+#: Negligible variation, relative to the size of a part; of a force also what moves the lightest
+#: body by this part of the tolerance, of the length of the scene.
 NEGLIGIBLE_VARIATION = 1e-12
 NEGLIGIBLE_MOTION = 1e-3
-#: A part that changes by less than this part of it in an interval needs no samples.
+#: A part whose relative change in an interval is smaller needs no samples.
 STEADY = 0.5
 #: The shortest interval in which a part is looked at, in a step: what is narrower has no bounds.
 FINEST = 1e-9
-#: The part of a step by which an event may be off where the step was cut, to be found again.
+#: The part of a step by which an event may be off the cut, to be located again.
 SMALL = 1e-3
-#: A function that passes zero is so much larger this much further away from it; where it jumps it
-#: is not, nor where it is infinite. It is looked at from so many roundings of time on.
+#: At a distance larger by the first factor a function that passes zero is larger by the second; one
+#: that jumps there, or is infinite, is not. Distances begin at so many roundings of time.
 FURTHER = 8.0
 LARGER_THERE = 1.5
 ROUNDINGS = 64.0
-#: A step in which what was near to zero gets on a side within this part of it ends there.
+#: A step in which a function that was near to zero takes a side within this part of it ends there.
 SOON = 0.1
 #: The loosest tolerance to which places are known, and of steps from a switch to the next: forces
 #: that switch soon again are narrow, and estimates are blind to what acts for a stage or two. It is
 #: that of all steps behind kinks where no force jumps: friction that holds switches all the time.
 LOOSEST_AT_SWITCH = 1e-5
-#: What rates are known to of a length in the longest step so far, in units of the tolerance: in a
-#: short one rates of what does move are no better known, and no worse.
+#: Errors of rates, in units of the tolerance, are at least this part of a length in the longest step
+#: so far: in a short one rates of what does move are no better known, and no worse.
 SLOW = 1e-4
-#: Where it is infinite a part of a force is so much larger that much nearer to the place: 1/x is
-#: FURTHER times as large. From one distance to the next that factor changes by no more than this.
+#: Where it is infinite a part of a force grows by more than the first factor, FURTHER times nearer
+#: to the place, as 1/x by FURTHER; the next such factor differs by no more than the second.
 STEEP = 7.0
 EVENLY = 1.5
 #: A step that leads over such a place is made again, over this part of the way there; a run ends
 #: where the way is this part of its longest step.
 CLOSER = 0.9
 NO_WAY = 1e-6
-#: A function is near to zero where it is less than so many times what it is known to; what that is
-#: further away tells nothing of how near it comes between.
+#: A function is near to zero where it is less than so many times its noise; noise further away
+#: tells nothing of how near it comes in between.
 BANDS = 16.0
 #: An event that goes through a narrow window was on the other side this many times as long ago as
 #: it passed zero, and has been in the window this many times as long.
 EARLIER = 1.5
 HALF = 0.5
-#: What gets further than so many times what it is known to passes by, as fast as it is at a time:
-#: in the longest step, and before it comes to rest. So it is with rates, as fast as they change.
+#: A value passes by where at its speed it gets further than so many times its noise: in the longest
+#: step, and before it comes to rest. So do rates, as fast as they change.
 PASSING = 16.0
 #: A stage that counts tells of a contact where its accelerations would change speeds by more than
 #: this part in the step: for less errors tell enough.
@@ -162,12 +162,11 @@ class Search:
     slack : float [s]
         What crosses within it crosses together.
     noise, rounding : (n, 2) array
-        What values are known to, in the motion and in its polynomial: of each number that is read
-        and of its rate.
+        Errors of each number that is read and of its rate: in the motion, and in its polynomial.
     sizes : (n,) array
         Of the numbers that each is made of: rounding is of these, however small it is.
     second_mean, second_rise, second_bound : (n,) array
-        Second derivatives of what is read: in the mean, by how much more at the end, at most.
+        Second derivatives of what is read: their mean, rise above it at the end, and bound.
     rate_noise : (n,) array
         What rates are known to, for their change: to no more than they have been.
     crosses, was_crossing : array of bool
@@ -258,9 +257,9 @@ def read_at(time: float, search: Search) -> Array:
 def node_at(time: float, search: Search) -> TimeNode:
     """Node at a time of the motion.
 
-    Of what passes by there its polynomial tells where it is, however far off that may be, and of a
-    rate that does what it is, so that nothing that is narrower is passed over. Where a force may be
-    infinite places are known to the noise.
+    Values and rates that pass by there are those of its polynomial, however far off that may be, so
+    that nothing that is narrower is passed over; others are known to the noise, as all are where a
+    force may be infinite.
     """
     read, n, n_poles = read_at(time, search), len(search.state.sides), search.work.scene.n_poles
     if n_poles:
@@ -289,7 +288,7 @@ def passes_by(speeds: Array, accelerations: Array, search: Search) -> Flags:
 
 
 def second_at(time: float, search: Search) -> Array:
-    """Sizes (n,) of second derivatives at a time [s], but for what rounding makes of them."""
+    """Sizes (n,) of second derivatives at a time [s], less what rounding makes of them."""
     part, h = (time - search.start) / search.h, search.h
     change = np.abs(search.second_mean + (2.0 * part - 1.0) * search.second_rise)
     sizes: Array = change - 2.0 * search.rounding[:, 1] / h
@@ -315,9 +314,9 @@ def stage_beyond(first: int, seen: float, search: Search) -> float:
     """Time [s] of a stage, from a first one on, beyond a switch that its polynomial does not meet.
 
     So it is in a contact that the step leads over: what acts there has thrown the polynomial off,
-    and it tells nothing. If none is, that is until when it was seen. Of those that count at the end
-    of the step, whose error is told, these do that change speeds; at a jump none, which throws back
-    what passes it a little.
+    and it tells nothing. If none is, it is the time up to which the step is seen. Of stages that
+    count at the end of the step, whose error is told, only those that change speeds are looked at,
+    and not at jumps, which throw back what passes them a little.
     """
     m, state, work, scene = search.m, search.state, search.work, search.work.scene
     size_of, n_switching = work.w.size_of, len(state.sides) - scene.n_poles
@@ -377,9 +376,9 @@ def begin_search(
 
 
 def second_rise_of(sizes: Array, a: Array, b: Array, h: float) -> Array:
-    """By how much second derivatives (n,) at the end of h [s] are above their mean, as of cubics.
+    """Rise of second derivatives (n,) at the end of h [s] above their mean, in cubic polynomials.
 
-    Values and rates (n, 2) at both ends tell, but for rounding.
+    From values and rates (n, 2) at both ends, less rounding.
     """
     (x, v), (y, u) = a.T, b.T
     rounding = 6.0 * SMALLEST * (sizes + np.abs(x) + np.abs(y)) / h
@@ -427,7 +426,7 @@ def reach_between(
 
 
 def band_at(node: TimeNode, search: Search) -> Array:
-    """Band (functions,) of functions at a node: of an event that it starts short of no more."""
+    """Half widths (functions,) at a node, by the noise of events that a step starts short of."""
     band = half_width(node)
     if search.is_short.any():
         known = half_width(node_with_noise(search.noise, node.time, search))
@@ -490,8 +489,8 @@ def is_undefined(k: int, time: float, search: Search) -> bool:
 def domain_end(a: TimeNode, b: TimeNode, search: Search) -> float:
     """Last time [s] between two nodes at which all events have a value.
 
-    Those count that have none at the second node; the first that has none behind that time is
-    noted. It is infinite where there is none.
+    Events without a value at the second node count; the first that has none behind that time is
+    noted. Infinite where there is none.
     """
     end, exact = math.inf, np.zeros_like(search.noise)
     search.undefined = 0
@@ -579,7 +578,7 @@ def is_short_of(k: int, a: TimeNode, search: Search) -> bool:
 
 
 def first_departure(a: TimeNode, b: TimeNode, search: Search) -> float:
-    """First time [s] at which a function but for events is on a side that was near to zero.
+    """First time [s] at which a function that was near to zero, but no event, is on a side.
 
     Formulas at zero, where jumps are, tell nothing of what follows; those that are near to it on
     that side already do.
@@ -594,7 +593,7 @@ def first_departure(a: TimeNode, b: TimeNode, search: Search) -> float:
 
 
 def note_sides(a: TimeNode, search: Search) -> None:
-    """Note on which side functions are where a step starts: by the noise that was open.
+    """Note on which side functions are where a step starts, which the noise had left open.
 
     Rates are known to rounding where they pass by, places to the noise. Events, which are looked
     for until they are exact, and poles stay.
@@ -868,7 +867,7 @@ def is_thrown_back(k: int, end: float, search: Search) -> bool:
 
 
 def note_crossings(end: float, search: Search) -> None:
-    """Note what a step that is kept has crossed: one that was cut, also what is zero there."""
+    """Note crossings of a step that is kept; of one that was cut, also zeros at its end."""
     state, events = search.state, search.work.scene.events
     sides, now = state.sides.copy(), side_at(node_at(end, search))
     is_near = (now == 0.0) | (side_at(node_with_noise(search.noise, end, search)) == 0.0)
@@ -892,7 +891,7 @@ def note_crossings(end: float, search: Search) -> None:
 def negligible_variation(
     size: Array, scales: Array, tolerance: float, start: float, end: float
 ) -> Array:
-    """What parts (n,) of some size may vary by between two times [s], in units of their formulas.
+    """Negligible variations (n,) of parts between two times [s], in units of their formulas.
 
     A force that acts as long moves a body on meanwhile, and then in as much time as has passed
     since 0.
@@ -944,7 +943,7 @@ def are_narrow_resolved(start: float, end: float, search: Search) -> bool:
 
 
 def is_at_pole(first: float, last: float, search: Search, *, in_between: bool) -> bool:
-    """Whether at both times a function is near to zero, or in between, for a pole.
+    """Whether a function of a pole is near to zero at both times, or may be in between.
 
     A force may be infinite there: no bound tells how it varies, and of what is narrow the energy
     does.

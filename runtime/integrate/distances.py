@@ -24,10 +24,9 @@ if TYPE_CHECKING:
     from .crossing import Search
     from .scene_tables import Workspace
 
-#: Distances that have fallen beside the largest at the ends and in the middle of a step, as cubics
-#: over its halves tell, are looked at; those that do so to this part in the polynomial reverse a
-#: force within the step, and those in formulas to this one: bounds tell how these vary, but for
-#: what places are known to.
+#: A distance is looked at where cubics over the halves of a step fall far below its largest value
+#: at ends and middle. It reverses a force within the step where it falls to the first part in the
+#: polynomial, one in formulas to the second: bounds tell how these vary, but for errors of places.
 REVERSAL_PART = 0.0625
 BOUNDED_REVERSAL_PART = 1e-2
 #: Rates of squares are told by their difference over this part of a step, 2⁻²⁰.
@@ -145,7 +144,7 @@ def nearest_time(k: int, first: float, last: float, search: Search) -> float:
 
 
 def no_way(search: Search) -> float:
-    """Time [s] of a step that is no way: bounds tell nothing of it, and rounding little."""
+    """Length [s] of a step that counts as none: bounds tell nothing of it, and rounding little."""
     tiny = ONWARD * SMALLEST * larger(abs(search.start), abs(search.start + search.h))
     return larger(FINEST * search.h, 2.0 * tiny)
 
@@ -174,7 +173,7 @@ def cut_end(k: int, time: float, nodes: Array, end: float, search: Search) -> fl
 
 
 def first_reversal(k: int, nodes: Array, end: float, search: Search) -> tuple[float, float]:
-    """Time [s] at which a step must end by the first such place of a distance, and that [s].
+    """Time [s] at which a step must end by the first reversal of a distance, and its place [s].
 
     Nodes (6,) [m²] are its squares at :data:`NODES`.
     """

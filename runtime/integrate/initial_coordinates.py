@@ -46,7 +46,7 @@ MOST_CORRECTIONS = 30
 DEPENDENT = 1e-10
 #: One that is not given stays as in the scene where so much of its motion is its own, squared.
 APART = 1e-4
-#: What values may miss that others determine.
+#: Error that values may have which others determine.
 AGREES = 1e-9
 #: So many freedoms of bodies that no coordinate names are held.
 MOST_HELD = 100
@@ -172,7 +172,7 @@ class Leader:
     def independent(
         self, at: Jacobian, prescribed: Sequence[int], first: Sequence[int] = ()
     ) -> list[int]:
-        """Coordinates that move apart from those before them; given ones come first."""
+        """Coordinates that are independent of those before them; prescribed ones come first."""
         chosen: list[int] = []
         mobility = at.J @ at.motions.T
         free_mobility = np.einsum("kv,kv->k", at.J, at.free)

@@ -57,11 +57,11 @@ if TYPE_CHECKING:
     from .settings import Settings
     from .state import State
 
-#: What a prediction may miss: a part of the way of a step, and what always may.
+#: Error that a prediction may have: a part of the motion of a step, and what is always negligible.
 PREDICTION_ERROR_PART = 0.02
 NEGLIGIBLE_PREDICTION_ERROR = 1e-9
-#: The part of the way of a step that velocities may not explain, and what always may: a driver
-#: jumps.
+#: The part of the motion of a step that velocities may not explain, and what always is no jump of a
+#: driver.
 UNEXPLAINED_MOTION_PART = 1e-3
 SMALLEST_JUMP = 1e-6
 #: Ratios that tell branches may grow or shrink by so much in each half of a step: beside a singular
@@ -501,8 +501,8 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
     tells_works = "energies" in work.scene.parts or bool(s.checks)  # in rows, or the ledger
     while True:
         is_last = state.time + STRETCH_TO_END * longest >= asked
-        whole = asked - state.time if is_last else longest
-        end = asked if is_last and part == 1.0 else state.time + part * whole
+        length = asked - state.time if is_last else longest
+        end = asked if is_last and part == 1.0 else state.time + part * length
         if not end - state.time > SMALLEST * larger(abs(state.time), abs(asked)):
             return Status.STEP_TOO_SMALL
         has_nodes = tells_works and state.simpson >= SURE_WORK_ERROR
@@ -528,7 +528,7 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
             part = 1.25 if part == 0.5 else part - 0.25 if part <= 1.0 else 1.25 * part
         elif not is_fit or is_leap:
             state.rejected += 1
-            longest = (1.0 if is_leap else factor if part <= 1.0 else 0.5) * whole
+            longest = (1.0 if is_leap else factor if part <= 1.0 else 0.5) * length
             part, is_deep = 1.0, is_deep or is_leap
         else:
             seen = watched_end(s, end, part, search) if work.scene.has_functions else end
@@ -538,7 +538,7 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
             if not seen < end:
                 break
             asked = seen if seen == search.cut else asked
-            longest, part = larger(seen, state.time + FINEST * whole) - state.time, 1.0
+            longest, part = larger(seen, state.time + FINEST * length) - state.time, 1.0
     if work.scene.has_functions:
         note_crossings(end, search)
         if search.is_unresolved:
@@ -548,7 +548,7 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
     state.drift = larger(state.drift, drift)
     note_moved(s, works.moved, state)
     state.untold += 0.0 if works.is_estimated else end - state.time
-    state.step_size = larger(state.step_size if is_last else 0.0, factor * whole)
+    state.step_size = larger(state.step_size if is_last else 0.0, factor * length)
     state.error = error if works.is_estimated else 0.0
     state.balance = works.balance
     accept_position(s, end, asked, state, work)

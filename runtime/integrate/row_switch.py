@@ -97,7 +97,7 @@ def factorise_rows(all_rows: RowMemory, work: Work, known: float) -> float:
 
 
 def solve_rows(right: Array, all_rows: RowMemory, work: Work, u: Array) -> Array:
-    """Set u (nv,) = −M⁻¹ C_qᵀ λ, where C_q M⁻¹ C_qᵀ λ is what the rows have on the right (rows,).
+    """Set u (nv,) = −M⁻¹ C_qᵀ λ, where C_q M⁻¹ C_qᵀ λ is the right-hand side of all rows (rows,).
 
     Returns λ (nc,), in the order in which rows are solved for. In the units of the right, u is a
     correction of q [m, rad], of v, or of v̇.

@@ -58,9 +58,9 @@ if TYPE_CHECKING:
     from .settings import Settings
     from .state import State
 
-#: What may be left of the constraints at a stage inside of a step, in units of the tolerance.
+#: Correction that may be left at a stage inside of a step, in units of the tolerance.
 STAGE_RESIDUAL = 1e-3
-#: How often a step is made shorter that has a stage where rows are nearly dependent, how much.
+#: How often a step with a stage where rows are nearly dependent is made shorter, and its factor.
 MOST_AVOIDED = 8
 AVOIDING_STEP_PART = 0.9
 #: How often a step is made shorter for what varies with the state.
@@ -109,7 +109,7 @@ LONGEST_IF_LOOSE = 1.2
 MANY_STAGES = 12
 LONGEST_OF_MANY_STAGES = 1.5
 LEVEL_RATIO_PART = 0.999
-#: By what errors are multiplied of steps from a place on where a force goes with t^p. Estimates
+#: Factors of errors of steps from a place on where a force goes with t^p. Estimates
 #: compare two results that are off alike there: the error is 64 times what they tell for p = 0.1,
 #: 37 times for a square root and 11 times for p = 1.5, with many stages 7, 5 and 3 times.
 POWER_ERROR = 40.0
@@ -268,9 +268,9 @@ def is_kept(trial: Trial) -> bool:
 
 
 def add_to_start(start: Array, y: Array, low: Array | None) -> None:
-    """Add y (ny,) to what it starts from (ny,): a small sum, so that y is rounded once.
+    """Add the start (ny,) of a step to an increment y (ny,), a small sum, rounded once.
 
-    What that leaves over goes to low (ny,) if it is not None.
+    The remainder of that rounding goes to low (ny,) if it is not None.
     """
     total = start + y
     if low is not None:
@@ -285,7 +285,7 @@ def fastest(end: Array, state: State, work: Work) -> float:
 
 
 def usual_rate(h: float, end: Array, state: State, work: Work) -> float:
-    """Rate that those of a step are compared with, in lengths of the scene and radians [1/s].
+    """Rate that rates of a step are compared with, in lengths of the scene and radians [1/s].
 
     It is told by the motion up to the end (ny,) of a step of h [s]: in other units of time it is
     the same.
@@ -301,7 +301,7 @@ def note_motion(h: float, end: Array, state: State, work: Work) -> None:
 
 
 def note_extent(end: Array, work: Work, state: State) -> None:
-    """Note how far coordinates go, those too that rows show, which were found at the end (ny,)."""
+    """Note the ranges of coordinates, also of those that rows show, at the end (ny,) of a step."""
     scene, w = work.scene, work.w
     reached = np.concatenate((end[: scene.nq], w.coordinates[:: scene.per_shown]))
     state.lowest[:] = np.where(reached < state.lowest, reached, state.lowest)
@@ -361,7 +361,7 @@ def estimate(
 ) -> float:
     """Root mean square of one estimate of the error, in units of the tolerance.
 
-    A row (stages + 1,) [-] of the method is what derivatives at stages count in it.
+    A row (stages + 1,) [-] of the method has the weights of derivatives at stages.
     """
     scene, now, end, error = work.scene, state.y, work.y, work.scratch
     nq, nv = scene.nq, scene.nv
@@ -387,7 +387,7 @@ def estimate(
 
 
 def tells_drift(trial: Trial, state: State, work: Work) -> bool:
-    """Whether what a step is off the constraints tells of its error.
+    """Whether the drift of a step off the constraints tells of its error.
 
     Neither drivers nor rows that take over lead it there, and it is no rounding.
     """
@@ -718,7 +718,7 @@ def near_fractional_power(tried: Attempts, trial: Trial, work: Work, state: Stat
 
 
 def find_error(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
-    """Find the error of a trial whose end is in the workspace, and what else that tells."""
+    """Find the error of a trial whose end is in the workspace, and the energy that has moved."""
     m, s = tried.m, tried.s
     if tried.is_fixed:
         trial.drift = larger(trial.drift, norm_error(m, trial.h, state, work))
@@ -747,7 +747,7 @@ def find_error(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
 
 
 def is_clear(tried: Attempts, trial: Trial, state: State) -> bool:
-    """Whether rows are independent at the stages of a trial: else others lie elsewhere."""
+    """Whether rows are independent at the stages of a trial: else the next has others."""
     if not (trial.is_good or tried.is_fixed) or not is_weak(trial.least_ratio, tried, state):
         return True
     if trial.least_ratio > 0.0 and is_weak(trial.most_ratio, tried, state):

@@ -173,10 +173,10 @@ def law_rounding(time: float, span: float, w: Workspace) -> Array:
 
 
 def bent_beside(far: float, first: float, last: float, span: float, w: Workspace) -> int:
-    """First law that does not go from a time to another with two derivatives, or 0.
+    """First law without two derivatives between two times, counted from 1, or 0.
 
-    As so far beside both tells; it is counted from 1. Of each what it changes by is what the next
-    one tells of both sides, and between its value is between theirs, where it has one.
+    As values so far beside both tell: the law and each derivative change by the mean of the next
+    derivative there, and the law in between is between its values, where it has one.
     """
     rounding = law_rounding(first - far, span, w) + law_rounding(last + far, span, w)
     between = laws_at(0.5 * (first + last), w)[:, 0]
@@ -300,7 +300,7 @@ def note_impulse(before: float, acceleration: float, state: State, work: Work) -
 
 
 def widths_of(read: Array, noise: Array, time: float, w: Workspace) -> tuple[Array, Array]:
-    """Half widths (n,) of parts of forces where formulas read this, known to a noise; their sizes.
+    """Half widths, and sizes, (n,) of parts of forces where formulas read (n, 2), known to a noise.
 
     These are the parts that vary beyond polynomials.
     """
@@ -310,7 +310,7 @@ def widths_of(read: Array, noise: Array, time: float, w: Workspace) -> tuple[Arr
 
 
 def find_steep(read: Array, noise: Array, time: float, w: Workspace) -> Flags:
-    """Which parts (n,) of forces change, by rounding of what they read, as none that has a slope.
+    """Parts (n,) of forces that change, by rounding of what they read, as none that has a slope.
 
     That is much more than a sixteenth of what they change by as many times the rounding.
     """
@@ -321,7 +321,7 @@ def find_steep(read: Array, noise: Array, time: float, w: Workspace) -> Flags:
 
 
 def scattered(n: Array) -> Array:
-    """Numbers between -1 and 1, other ones for all n, no multiples or differences of others."""
+    """Numbers between -1 and 1, different for all n, none a multiple or difference of others."""
     part = np.fmod(n * GOLDEN_RATIO, 1.0)
     return np.asarray(2.0 * np.fmod(SCATTERING * part * part, 1.0) - 1.0)
 
@@ -355,10 +355,10 @@ def read_beside(time: float, span: float, y: Array, f: Array, work: Work) -> tup
 def change_by_rounding(end: float, state: State, work: Work) -> float:
     """Change [1/s^2] of accelerations by rounding where forces are too steep for doubles.
 
-    Such is that of sqrt(abs(x)) where x is zero but for rounding. By bodies on both sides of a
-    place, and twice as many times further away, that tells of even and odd parts of forces what no
-    slope and no kink explains. The odd ones are none where each steep part pushes a body back,
-    beyond rounding, by what it reads: that swings there until the end of a run.
+    Such is that of sqrt(abs(x)) where x is zero but for rounding. Bodies on both sides of a place,
+    at three distances, tell what no slope and no kink explains of even and odd parts of forces. Odd
+    ones do not count where each steep part pushes a body back, beyond rounding, by what it reads:
+    that swings there until the end of a run.
     """
     w, nq, time = work.w, work.scene.nq, state.time
     sizes, span = work.scene.measure_sizes, larger(abs(time), abs(end))
@@ -481,15 +481,15 @@ def resolved_step(
     if not work.scene.has_features:
         return end
     start = first = state.time
-    allowed = whole = smaller(h, end - start)
-    state.longest = larger(FORGETTING * state.longest, smaller(whole, GROWTH * state.stride))
-    last_step, width = start - state.time_before, whole / part
+    allowed = length = smaller(h, end - start)
+    state.longest = larger(FORGETTING * state.longest, smaller(length, GROWTH * state.stride))
+    last_step, width = start - state.time_before, length / part
     is_tired = state.short_steps > MOST_SHORT and last_step < LONG * state.longest
     is_unresolved = False
     for _ in range(MOST_INTERVALS):
         last = first + width
         is_good = is_resolved(tolerance, first, last, work.w)
-        if not is_good and width > FINEST * whole:
+        if not is_good and width > FINEST * length:
             width = 0.5 * width
             continue
         if is_good:
@@ -500,15 +500,15 @@ def resolved_step(
         width = 2.0 * width
     else:
         is_unresolved = True
-    if is_unresolved or (is_tired and allowed < whole):
+    if is_unresolved or (is_tired and allowed < length):
         note_unresolved(start, state)
     if is_tired:
         return end
     if not allowed < SHORT * state.longest:
         state.short_steps = 0
-    elif allowed < whole:  # others are short by their error
+    elif allowed < length:  # others are short by their error
         state.short_steps += 1
-    if not allowed < whole:
+    if not allowed < length:
         return end
     # in equal steps: what is left of the way must be none too short
-    return start + whole / math.ceil(whole / allowed)
+    return start + length / math.ceil(length / allowed)

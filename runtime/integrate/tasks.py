@@ -71,15 +71,15 @@ def of_each(of_one: Callable[..., float], of_all: Callable[..., Any]) -> Callabl
     """Function of arrays with the bits that C has; NumPy's may differ in the last one."""
 
     def function(*x: Any) -> Any:
-        whole = np.broadcast_arrays(*x)
+        arrays = np.broadcast_arrays(*x)
         try:
             results = [
                 of_one(*values)
-                for values in zip(*(part.ravel().tolist() for part in whole), strict=True)
+                for values in zip(*(array.ravel().tolist() for array in arrays), strict=True)
             ]
         except (ArithmeticError, ValueError):
             return of_all(*x)
-        return np.array(results).reshape(whole[0].shape)
+        return np.array(results).reshape(arrays[0].shape)
 
     return function
 
