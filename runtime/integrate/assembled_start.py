@@ -188,10 +188,10 @@ class WrittenBodies:
         self._put(v, turn, self.mass * velocity, spin)
 
     def pull(self, q: Array, u: Array) -> None:
-        """Write u = M⁻¹ f (nv,) [m, rad], f of ½ dᵀ W d at the displacement d since the scene.
+        """Write u = M⁻¹ f (nv,) [m, rad], f the gradient of ½ dᵀ W d at q (nq,).
 
-        That is at q (nq,); W has masses and moments of inertia. u is in the order of v, lengths in
-        frame O and turns in principal frames.
+        d is the displacement since the scene, W has masses and moments of inertia. u is in the
+        order of v, lengths in frame O and turns in principal frames.
         """
         r, turn = self.r.of(q), self.p.of(q)
         p = turn[:, self.carrier]

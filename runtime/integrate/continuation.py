@@ -92,7 +92,7 @@ def follow_design(y: Array, w: Workspace) -> None:
 
 
 def set_parameters(target: Array, part: float, w: Workspace) -> None:
-    """Turn the parameters p of the scene into the target (n,) by a part [-] of the way.
+    """Set parameters at a part [-] of the way from those of the scene, p, to the target (n,).
 
     p + part · (target − p), each in its unit.
     """

@@ -72,8 +72,8 @@ SOON = 0.1
 #: that switch soon again are narrow, and estimates are blind to what acts for a stage or two. It is
 #: that of all steps behind kinks where no force jumps: friction that holds switches all the time.
 LOOSEST_AT_SWITCH = 1e-5
-#: Errors of rates, in units of the tolerance, are at least this part of a length in the longest step
-#: so far: in a short one rates of what does move are no better known, and no worse.
+#: Errors of rates, in units of the tolerance, are at least this part of a length in the longest
+#: step so far: in a short one rates of what does move are no better known, and no worse.
 SLOW = 1e-4
 #: Where it is infinite a part of a force grows by more than the first factor, FURTHER times nearer
 #: to the place, as 1/x by FURTHER; the next such factor differs by no more than the second.
@@ -512,7 +512,7 @@ def domain_end(a: TimeNode, b: TimeNode, search: Search) -> float:
 
 
 def noise_of(k: int, search: Search) -> Array:
-    """Noise (n, 2) to which values and rates are known where a function is looked for.
+    """Noise (n, 2) of values and rates with which the zero of a function is located.
 
     An event is where the polynomial is zero, and a force is infinite there.
     """
@@ -522,7 +522,7 @@ def noise_of(k: int, search: Search) -> Array:
 
 
 def time_of(k: int, a: TimeNode, b: TimeNode, search: Search) -> float:
-    """First time [s] between two nodes at which a function that crosses does.
+    """Time [s] between two nodes at which a crossing function first does so.
 
     Those of events are zero there, the others beyond it, so that what follows is all on the other
     side.
@@ -548,7 +548,7 @@ def time_of(k: int, a: TimeNode, b: TimeNode, search: Search) -> float:
 
 
 def first_time(a: TimeNode, b: TimeNode, search: Search) -> float:
-    """Time [s] at which the first function crosses; only those that do so there are left.
+    """Time [s] of the first crossing; only functions that cross there stay marked.
 
     What is behind the end of the run does not count, however near it is.
     """
@@ -625,7 +625,7 @@ def are_crossed(sides: Array, b: TimeNode, search: Search) -> Flags:
 
 
 def crossing_end(end: float, search: Search) -> float:
-    """Time [s] at which a step to an end must end: of the first crossing, or what was searched."""
+    """Time [s] at which a step must end: of its first crossing, or as far as it was searched."""
     sides = search.state.sides
     n, start = len(sides), search.start
     is_pole = np.arange(n) >= n - search.work.scene.n_poles
@@ -688,7 +688,7 @@ def crossing_end(end: float, search: Search) -> float:
 
 
 def find_pole(passes: Flags, a: TimeNode, b: TimeNode, search: Search) -> None:
-    """Find the first pole of a force between two nodes, but behind nothing else that crosses there.
+    """Find the first pole of a force between two nodes, if nothing crosses before it.
 
     Functions (functions,) pass zero there, where forces may be infinite.
     """

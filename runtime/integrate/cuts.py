@@ -33,13 +33,13 @@ def leads_over(end: float, search: Search) -> bool:
 
 
 def cut_beside(place: float, near: float, search: Search) -> float:
-    """Time [s] at which a step is cut for a place: before it, or behind it if that is no way."""
+    """Time [s] at which a step is cut for a place: before it, or behind it if that is too near."""
     span = place - search.start
     return place - larger(near, SMALL * span) if span > 2.0 * near else place + near
 
 
 def cut_for_place(end: float, seen: float, search: Search) -> float:
-    """Time [s] at which a step is cut for places; what was seen, noted, after many cuts."""
+    """Time [s] at which a step is cut for places; after many cuts the time seen, which is noted."""
     search.place_cuts += 1
     if search.place_cuts > MOST_PLACE_CUTS:
         search.is_unresolved = True

@@ -59,7 +59,7 @@ def distances_at(time: float, search: Search) -> Array:
 
 
 def dip_between(first: float, slope: float, last: float, rise: float) -> float:
-    """Least value inside of a cubic of these values and slopes at 0 and 1, infinite if none is."""
+    """Minimum inside of a cubic of these values and slopes at 0 and 1, infinite if it has none."""
     change = last - first
     quadratic, cubic = 3.0 * change - 2.0 * slope - rise, slope + rise - 2.0 * change
     inner = quadratic * quadratic - 3.0 * cubic * slope
@@ -113,7 +113,7 @@ def may_reverse(h: float, y: Array, f: Array, search: Search) -> bool:
 
 
 def node_of(number: int) -> float:
-    """Part of a step at a node of those among which a distance is looked for.
+    """Part of a step at a node of the search for minima of a distance.
 
     They lie the closer the nearer they are to its ends: a step that was cut begins right before a
     place.

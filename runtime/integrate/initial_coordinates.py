@@ -196,7 +196,7 @@ class Leader:
         """
         return q + self.moves * self.evaluate(q, u)["q_dot"]
 
-    def met(
+    def corrected(
         self, q: Array, motions: Array, chosen: Sequence[int], goal: Array, tolerance: float
     ) -> tuple[Array, float]:
         """Position near q that meets constraints and the goal, and what it still misses.
@@ -252,7 +252,7 @@ class Leader:
             following = min(made + step, 1.0)
             goal = wanted if following == 1.0 else begin + following * change
             trial = self.displaced(q, (following - made) * direction)
-            trial, correction = self.met(trial, motions, chosen, goal, CORRECTION_ON_THE_WAY)
+            trial, correction = self.corrected(trial, motions, chosen, goal, CORRECTION_ON_THE_WAY)
             if correction <= CORRECTION_ON_THE_WAY:
                 trial_motions = self.motions(self.jacobian(trial), chosen)
                 if self.size(change @ trial_motions - direction) <= LARGEST_TURN * size:
@@ -278,7 +278,7 @@ class Leader:
         """Position (nq,) that meets constraints and values (c,) [m, rad] to rounding."""
         before = np.inf
         for _ in range(MOST_CORRECTIONS):
-            q, correction = self.met(
+            q, correction = self.corrected(
                 q, self.motions(self.jacobian(q), chosen), chosen, wanted, ROUNDING_OF_COORDINATES
             )
             if correction <= ROUNDING_OF_COORDINATES or not correction < 0.5 * before:
@@ -327,7 +327,7 @@ class Leader:
                 u = u - (slopes @ u) * motion
         return u
 
-    def moving(self, q: Array, at: Jacobian, chosen: Sequence[int], wanted: Array) -> Array:
+    def velocities(self, q: Array, at: Jacobian, chosen: Sequence[int], wanted: Array) -> Array:
         """Velocities v (nv,) of the scene at q (nq,) with wanted rates, projected once.
 
         v + (wanted − J v) W with W of :meth:`motions` and the rates (c,) [m/s, rad/s].
@@ -419,7 +419,7 @@ def lead(start: Start, initial: Mapping[str, float]) -> tuple[Array, Array]:
     wanted = start.evaluate(start.q, start.v)["coordinates"][leader.rates]
     wanted[[*rates]] = [*rates.values()] * leader.units[[*rates]]
     chosen = leader.independent(at, [*rates], [*values])
-    v = leader.moving(q, at, chosen, wanted[chosen])
+    v = leader.velocities(q, at, chosen, wanted[chosen])
     _require(leader, q, at, rates, start.evaluate(q, v)["coordinates"][leader.rates], "_dot")
     return q, v
 

@@ -120,7 +120,7 @@ def place(
         if values is not None and (wrong := misfit_of_bodies(name, values, written.size)):
             raise InitialError(wrong)
         wanted.append(written if values is None else values.copy())
-    for body, part in _parts(start.bodies, wanted[0], 4):
+    for body, part in _slices(start.bodies, wanted[0], 4):
         size = np.linalg.norm(part[3:])
         if body.p and not abs(size - 1.0) <= MISSES:
             problems.append(f"Euler parameters of body {body.name} have not the norm 1")
@@ -130,17 +130,17 @@ def place(
         placed = solver_state(start.bodies, wanted[0], wanted[1], start.unit, (q, v))
         reached = written_state(start.bodies, *placed, start.unit)
         if q0 is not None:
-            q, problems = placed[0], [*_misses(start, wanted[0], reached[0], 4)]
+            q, problems = placed[0], [*_misplaced(start, wanted[0], reached[0], 4)]
         if v0 is not None:
             v = placed[1]
-            problems += _misses(start, wanted[1], reached[1], 3)
+            problems += _misplaced(start, wanted[1], reached[1], 3)
     if not problems and q0 is not None:
-        q += _turns(start, q, counted)
-        problems += _open(start, _residuals(start, q), 1.0)
-        q, _ = leader.met(q, np.empty((0, len(v))), [], np.empty(0), ROUNDING_OF_COORDINATES)
+        q += _missing_turns(start, q, counted)
+        problems += _gaps(start, _residuals(start, q), 1.0)
+        q, _ = leader.corrected(q, np.empty((0, len(v))), [], np.empty(0), ROUNDING_OF_COORDINATES)
     if not problems and v0 is not None:
         at = start.evaluate(q, v)
-        problems += [f"{text}/s" for text in _open(start, at["C_dot"], max(1.0, leader.size(v)))]
+        problems += [f"{text}/s" for text in _gaps(start, at["C_dot"], max(1.0, leader.size(v)))]
         v = v + at["dv"]
     if problems:
         raise InitialError(f"q0 or v0 cannot be: {'; '.join(problems)}")
@@ -148,14 +148,14 @@ def place(
         rates = start.evaluate(start.q, start.v)["coordinates"][leader.rates]
         moves = leader.jacobian(q)
         chosen = leader.independent(moves, [])
-        v = leader.moving(q, moves, chosen, rates[chosen])
+        v = leader.velocities(q, moves, chosen, rates[chosen])
     return q, v
 
 
-def _parts(
+def _slices(
     bodies: Sequence[BodyPlaces], values: Array, turning: int
 ) -> Iterator[tuple[BodyPlaces, Array]]:
-    """Bodies with their parts of a state as written: three numbers, those of a turn."""
+    """Bodies with their slices of a state as written: three numbers, then those of a turn."""
     first = 0
     for body in bodies:
         size = 3 + turning * bool(body.p)
@@ -163,10 +163,10 @@ def _parts(
         first += size
 
 
-def _misses(start: Start, wanted: Array, reached: Array, turning: int) -> Iterator[str]:
-    """Bodies that the solver cannot have as they are wanted."""
-    there = _parts(start.bodies, reached, turning)
-    for (body, part), (_, has) in zip(_parts(start.bodies, wanted, turning), there, strict=True):
+def _misplaced(start: Start, wanted: Array, reached: Array, turning: int) -> Iterator[str]:
+    """Bodies that the solver cannot place as they are wanted, and by how much."""
+    there = _slices(start.bodies, reached, turning)
+    for (body, part), (_, has) in zip(_slices(start.bodies, wanted, turning), there, strict=True):
         back = -1.0 if turning == 4 and part[3:] @ has[3:] < 0.0 else 1.0  # p and -p turn alike
         lengths = np.abs(part[:3] - has[:3]).max() * start.unit / start.length
         miss = max(lengths, np.abs(part[3:] - back * has[3:]).max(initial=0.0))
@@ -178,8 +178,8 @@ def _misses(start: Start, wanted: Array, reached: Array, turning: int) -> Iterat
             )
 
 
-def _open(start: Start, residuals: Array, speed: float) -> list[str]:
-    """Open joints, whose rows do not hold, and by how much."""
+def _gaps(start: Start, residuals: Array, speed: float) -> list[str]:
+    """Gaps of joints whose rows do not hold."""
     worst: dict[tuple[str, str], float] = {}
     for (name, unit), size in zip(start.rows, np.abs(residuals).tolist(), strict=True):
         if not size <= MISSES * speed * (start.length if unit == "m" else 1.0):
@@ -193,7 +193,7 @@ def _residuals(start: Start, q: Array) -> Array:
     return np.concatenate([evaluated["C"], evaluated["C_left_out"]])
 
 
-def _turns(start: Start, q: Array, counted: Array | None) -> Array:
+def _missing_turns(start: Start, q: Array, counted: Array | None) -> Array:
     """Turns that angles of q lack: no orientation tells them, but gears that fit."""
     residuals, lacks = _residuals(start, q), np.zeros_like(q)
     of_bodies = {k for body in start.bodies for k in indices((*body.r, *body.p))}

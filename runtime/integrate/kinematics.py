@@ -293,7 +293,7 @@ def branch_at(end: float, state: State, work: Work) -> int:
 
 
 def find_between(end: float, weak: float, state: State, work: Work) -> bool:
-    """Find the positions of a step to ``end`` [s] in halves at the other nodes.
+    """Find positions at the other nodes of Lobatto's rule, in a step in halves to ``end`` [s].
 
     Returns whether they are found.
     """
@@ -411,7 +411,7 @@ def estimate_works(
     work: Work,
     parts: Sequence[tuple[float, int]],
 ) -> WorkEstimate:
-    """Sum the works of a step better unless it leaps, and tell what its energy says of them."""
+    """Sum the works of a step better unless it leaps, and estimate their error, by energy, too."""
     scene, last = work.scene, position_at(1, work)
     error, is_estimated = 0.0, False
     check_misses(s, work)

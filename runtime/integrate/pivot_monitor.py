@@ -86,7 +86,7 @@ def branch_ratio(work: Work, state: State) -> float:
 
 
 def scale_by_distance(y: Array, scene: SceneTables) -> float:
-    """How many times as large rounding of positions is as in a length of the scene.
+    """Factor [-] by which rounding of positions exceeds that of a length of the scene.
 
     It is 1 if no body is far from the origin of frame O. Joints bring that into angles and
     distances, too.

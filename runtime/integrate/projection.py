@@ -53,7 +53,7 @@ def correct_velocity(work: Work) -> None:
 
 
 def refine(work: Work) -> None:
-    """Refine accelerations with the factors in the workspace until what is left is rounding.
+    """Refine accelerations with the factors in the workspace until corrections are rounding.
 
     v̇ − M⁻¹C_qᵀ (C_q M⁻¹C_qᵀ)⁻¹ (C_q v̇ − γ), again and again.
     """
@@ -72,7 +72,7 @@ def refine(work: Work) -> None:
 
 
 def lost_part(work: Work) -> float:
-    """Part [-] of accelerations in the workspace that rows do not ask for."""
+    """Relative error [-] of accelerations in the workspace: their correction onto C_q v̇ = γ."""
     w = work.w
     w.run("refinement")
     return float(np.divide(w.size_of(w.dv), w.size_of(w.v_dot)))
@@ -157,9 +157,9 @@ def last_ratio(work: Work, state: State) -> float:
 
 
 def project_position(enough: float, work: Work, low: Array | None, state: State) -> float:
-    """Newton on C(q) = 0, from the q in the workspace, until what is left is rounding, or enough.
+    """Newton's method on C(q) = 0, from q in the workspace, until corrections are small enough.
 
-    What is left is the square of the correction before. The geometry in the workspace is then that
+    One that is left is the square of the one before. The geometry in the workspace is then that
     of q.
 
     Parameters
@@ -264,7 +264,7 @@ def project(
 
 
 def take_normal_part(part: float, v: Array, work: Work, u: Array) -> None:
-    """Take a part of what is normal to the constraints from u (nv,), a displacement or change of v.
+    """Subtract a part of the normal component from u (nv,), a displacement or change of v.
 
     It is normal at the geometry in the workspace, M⁻¹C_qᵀ (C_q M⁻¹C_qᵀ)⁻¹ C_q u; without all of it
     u is in the tangent space. Where drivers lead it is added to v (nv,) [m/s, rad/s] as large as v

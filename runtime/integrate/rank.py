@@ -32,7 +32,7 @@ NOT_LEFT = 5e-4
 
 
 class Rank:
-    """Scaled rows whose rank is looked at.
+    """Scaled rows whose rank is determined.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ def rank_here(rank: Rank, work: Work) -> int:
 
 
 def is_regular_beside(wanted: int, rank: Rank, state: State, work: Work) -> bool:
-    """Whether as many rows are independent beside the start, a singular configuration."""
+    """Whether the wanted number of rows is independent beside the start, which is singular."""
     y, nq = work.k[0], work.scene.nq
     for back in range(2):
         y[:] = state.y

@@ -166,7 +166,7 @@ def eliminate(square: Array, right: Array) -> None:
 
 
 def least_norm_reactions(all_rows: RowMemory, work: Work) -> None:
-    """Find the forces of joints.
+    """Find the forces of joints of least norm.
 
     Of all multipliers that move the bodies as those that were found do, they are those with the
     least forces and torques, as where the rows that are kept are independent.
@@ -201,7 +201,7 @@ def take_multipliers(all_rows: RowMemory, work: Work) -> None:
 
 
 def refine_all_rows(all_rows: RowMemory, work: Work) -> None:
-    """Bring v̇, and the multipliers of all rows, nearer to C_q v̇ = γ."""
+    """Correct v̇, and the multipliers of all rows, by what is left of C_q v̇ = γ."""
     work.w.run("check")
     change = np.empty(work.scene.nv)
     x = solve_rows(work.w.C_ddot, all_rows, work, change)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def are_closed(misses: Array, times: float, scene: SceneTables) -> bool:
-    """Whether rows (n,) [m, rad] miss so many times the closure tolerance at most.
+    """Whether misses (n,) [m, rad] of rows are at most so many times the closure tolerance.
 
     Those that are left out do, and others where these took over.
     """
@@ -47,7 +47,7 @@ def note_checks(work: Work, state: State) -> None:
 def interpolate_position(
     m: RungeKuttaMethod, t: float, x: float, y: Array, work: Work, state: State
 ) -> bool:
-    """Put what the polynomial says of a time t [s] into the workspace, if rows are dependent there.
+    """Put the interpolated state at t [s] into the workspace; return whether rows are dependent.
 
     x [-] is the part of the step, y (ny,) gets the state. Neither a projection nor the
     accelerations can be had from them.

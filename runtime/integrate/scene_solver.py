@@ -180,7 +180,7 @@ class SceneSolver:
             return self._run(settings, times, max_steps, s, work, rows)
 
     def _are_possible(self, settings: Settings, s: State) -> bool:
-        """Whether a run may be made so, and goes on with the method that it began with."""
+        """Whether settings are possible, and the method is that with which the run began."""
         is_kinematic = self.scene.is_driven and settings.is_kinematic
         if not (LEAST_TOLERANCE <= settings.tolerance < 1.0 and settings.largest_step > 0.0):
             return False

@@ -526,7 +526,7 @@ def is_thrown_off(m: RungeKuttaMethod, trial: Trial, work: Work) -> bool:
 
 
 def least_of_parabola(trial: Trial, state: State) -> float:
-    """Least of a parabola through pivot ratios of a step, and of those of its stages."""
+    """Minimum of a parabola through pivot ratios of a step, and of those of its stages."""
     first, last, x = state.position_ratio, trial.end_ratio, trial.inner
     quadratic = ((trial.inner_ratio - first) / x - (last - first)) / (x - 1.0)
     slope = last - first - quadratic
@@ -665,7 +665,7 @@ def accept(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
 
 
 def next_trial(tried: Attempts, state: State) -> Trial:
-    """Trial of the length that is next, no longer than to where the step ends at most."""
+    """Next trial, no longer than to where the step ends at most."""
     h = smaller(state.step_size, tried.s.largest_step)
     if tried.is_fixed and tried.avoided == 0:
         h = tried.s.fixed_step
@@ -769,7 +769,7 @@ def is_clear(tried: Attempts, trial: Trial, state: State) -> bool:
 
 
 def is_tried(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
-    """Try a step, but for what is seen in it; return False where that tells nothing."""
+    """Make a trial and its error, not what crosses in it; return False where it tells nothing."""
     if not is_made(tried, trial, work, state):
         return False
     if trial.is_good:
@@ -896,7 +896,7 @@ def is_at_event(tried: Attempts, trial: Trial, state: State) -> bool:
 
 
 def length_by_error(m: RungeKuttaMethod, trial: Trial) -> float:
-    """Length [s] of a step that meets the tolerance, where a trial does not, or its branch."""
+    """Length [s] of the next trial, where one does not meet the tolerance or find its branch."""
     factor = LEAST_STEP_FACTOR
     if trial.longest > 0.0:
         return trial.longest
@@ -943,7 +943,7 @@ def ends_well(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
 
 
 def keep(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
-    """Keep a trial, and note what was seen in it."""
+    """Keep a trial, and note its crossings, and narrow parts that it leaves open."""
     search, before = tried.search, state.step_size
     accept(tried, trial, work, state)
     if not work.scene.is_searched:

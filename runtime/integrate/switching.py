@@ -132,7 +132,7 @@ def bound_laws(first: float, last: float, w: Workspace) -> Array:
 
 
 def are_unbent(first: float, last: float, span: float, w: Workspace) -> bool:
-    """Whether rates of laws change evenly within a time that is none, between two times.
+    """Whether rates of laws change evenly within rounding of times, all along between two times.
 
     All but a small part of them: as bounds of the third derivatives tell. Those of a law that is at
     rest there are compared with its rate further away, or with itself over the whole time.

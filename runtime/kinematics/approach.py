@@ -56,9 +56,9 @@ def approach(path: Continuation, residual: float) -> float:
 
 
 def _walk_on(path: Continuation, target: Array, residual: float) -> float:
-    """Go straight to other inputs, by at most a turn at once, or as much as moves a length as far.
+    """Go straight to other inputs, in pieces of at most a turn, or of what moves a length as far.
 
-    The shortest steps are a part of that.
+    The shortest steps are a part of a piece.
     """
     start, span = path.position.alpha, target - path.position.alpha
     pieces = math.ceil(largest(span * path.input_scale / path.newton.length) / math.tau)
