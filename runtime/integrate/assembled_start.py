@@ -358,7 +358,7 @@ def nearest(layout: Layout, bodies: WrittenBodies, evaluate: Evaluate, q: Array)
     towards it, as long as Barzilai and Borwein take it. None where that leads nowhere. In SI units.
     """
     rest, moves = np.zeros(layout.sizes["v"]), np.ones(len(q))
-    moves[[place for _, place in layout.works]] = 0.0
+    moves[[index for _, index in layout.works]] = 0.0
     sizes, sizes_q, weights = np.ones(len(rest)), np.ones(len(q)), np.ones(len(rest))
     lengths = np.full((3, bodies.count), layout.length)
     for target, places, values in (

@@ -128,8 +128,8 @@ def follow_branch(
     for _ in range(MOST_APPROACHES):
         roots, worst = [], 0.0
         for side in (-distance, distance):
-            there = part + side
-            correction, ratio = bend_way(x, c, state.time + there * h, there, work, state)
+            node = part + side
+            correction, ratio = bend_way(x, c, state.time + node * h, node, work, state)
             if not correction >= 0.0:
                 return LEAPS
             takes_over = work.all is not None and work.all.is_on

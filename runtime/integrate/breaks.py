@@ -89,11 +89,11 @@ def is_pushed_back(k: int, place: float, search: Search) -> bool:
             continue
         behind_stage = read_of(time + soon, work.scratch + soon * work.k[n], work.w)
         read = read_at(place, search)
-        there = float(middle(evaluate_node(read, exact, place, work.w))[k])
+        value = float(middle(evaluate_node(read, exact, place, work.w))[k])
         read[:, 0] += soon * read[:, 1]
         read[:, 1] += behind_stage[:, 1] - at_stage[:, 1]
         return (
-            side * (float(middle(evaluate_node(read, exact, place + soon, work.w))[k]) - there)
+            side * (float(middle(evaluate_node(read, exact, place + soon, work.w))[k]) - value)
             > 0.0
         )
     return False

@@ -369,8 +369,8 @@ def begin_search(
     search.rounding[:, 0] = SMALLEST * (search.sizes + most[:, 0])
     search.rounding[:, 1] = SMALLEST * fast
     search.noise = np.empty_like(most)
-    known = smaller(s.tolerance, LOOSEST_AT_SWITCH) * sizes + SMALLEST * most[:, 0]
-    search.noise[:, 0] = largest(known, search.rounding[:, 0])
+    place_noise = smaller(s.tolerance, LOOSEST_AT_SWITCH) * sizes + SMALLEST * most[:, 0]
+    search.noise[:, 0] = largest(place_noise, search.rounding[:, 0])
     search.noise[:, 1] = s.tolerance * fast
     search.rate_noise = smallest(search.noise[:, 1], most[:, 1] + sizes * state.fastest)
 
@@ -667,10 +667,10 @@ def crossing_end(end: float, search: Search) -> float:
             is_lost = ~has_value(b)[:n]  # it ends where that has no value
         bounds = bound_functions(a, b, search)
         is_known = bool((is_lost | is_isolated(now, a, b, bounds, search)).all())
-        left = larger(first_departure(a, b, search), start + ONWARD * tiny)
-        if left - start < SOON * (end - start):
+        departure = larger(first_departure(a, b, search), start + ONWARD * tiny)
+        if departure - start < SOON * (end - start):
             search.crosses[:] = False
-            return left
+            return departure
         if not is_known and b.time - a.time > tiny:
             width = 0.5 * (b.time - a.time)
             continue
@@ -741,8 +741,8 @@ def is_infinite(k: int, side: float, time: float, search: Search) -> bool:
         there = sizes_beside(FURTHER * FURTHER * FURTHER * offset, time, read, search)
         away = sizes_beside(FURTHER * FURTHER * FURTHER * FURTHER * offset, time, read, search)
         grows = (near > STEEP * there) & (there > STEEP * away)
-        both, square = near * away, there * there
-        grows &= (both <= EVENLY * square) & (square <= EVENLY * both)
+        product, square = near * away, there * there
+        grows &= (product <= EVENLY * square) & (square <= EVENLY * product)
         is_pole |= grows | np.isinf(near)
     return bool(is_pole.any())
 
@@ -819,7 +819,7 @@ def passes_zero(k: int, side: float, end: float, search: Search) -> bool:
 
 def polished_cut(search: Search) -> float:
     """Time [s] of an event that a step was cut for, by the step that ends near it."""
-    most, cut = SMALL * search.h, search.cut
+    reach, cut = SMALL * search.h, search.cut
     sides = search.state.sides
     candidates = np.flatnonzero(search.was_crossing[: len(search.work.scene.events)]).tolist()
     event = next((k for k in candidates if passes_zero(k, -sides[k], cut, search)), None)
@@ -829,17 +829,17 @@ def polished_cut(search: Search) -> float:
     def value(time: float) -> float:
         return float(middle(node_with_noise(noise_of(event, search), time, search))[event])
 
-    before, there = cut - most, cut
-    a, b = value(before), value(there)
+    previous, current = cut - reach, cut
+    a, b = value(previous), value(current)
     for _ in range(4):
         if a == b:
             break
-        time = there - b / ((b - a) / (there - before))
-        if not abs(time - cut) <= most or time == there:
+        time = current - b / ((b - a) / (current - previous))
+        if not abs(time - cut) <= reach or time == current:
             break
-        a, before, there = b, there, time
-        b = value(there)
-    return there
+        a, previous, current = b, current, time
+        b = value(current)
+    return current
 
 
 def is_thrown_back(k: int, end: float, search: Search) -> bool:
@@ -854,8 +854,8 @@ def is_thrown_back(k: int, end: float, search: Search) -> bool:
     speeds, known = np.column_stack((read[:, 1], search.second_mean)), search.noise[:, 0]
     is_there = len(read) > 0 and elapsed <= NO_WAY * state.stride
     if is_there:
-        most = np.column_stack((known, known * state.fastest))
-        is_there = bool((np.abs(speeds) * elapsed <= most).all())
+        bounds = np.column_stack((known, known * state.fastest))
+        is_there = bool((np.abs(speeds) * elapsed <= bounds).all())
     if not is_there:
         state.held[k] = 0.0
     elif state.held[k] == 0.0:

@@ -450,30 +450,30 @@ def _require(
     """Refuse values that are not met: drivers determine them, or they depend on each other."""
     problems = []
     for k, wanted in values.items():
-        has = reached[k] / leader.units[k]
-        if not abs(has - wanted) <= AGREES * max(1.0, abs(wanted)):
+        value = reached[k] / leader.units[k]
+        if not abs(value - wanted) <= AGREES * max(1.0, abs(wanted)):
             name = f"{leader.names[k]}{suffix}"
             drivers = leader.drivers(q, at.J[k])
             if drivers:
-                why = f"wanted {has:.9g}: {drivers} says so at t = 0"
+                why = f"wanted {value:.9g}: {drivers} says so at t = 0"
             elif leader.independent(at, [k])[:1] != [k]:
-                why = _dead_centre(leader, at, k, has, suffix)
+                why = _dead_centre(leader, at, k, value, suffix)
             else:
-                why = f"wanted {has:.9g}: it follows from the rest"
+                why = f"wanted {value:.9g}: it follows from the rest"
             problems.append(f"{name} is {wanted!r}, {why}")
     if problems:
         raise InitialError(f"initial values do not fit: {'; '.join(problems)}")
 
 
-def _dead_centre(leader: Leader, at: Jacobian, k: int, has: float, suffix: str) -> str:
+def _dead_centre(leader: Leader, at: Jacobian, k: int, now: float, suffix: str) -> str:
     """Say that nothing leads a coordinate from where its rate is zero, and what to give instead."""
     name = leader.names[k]
-    beside = leader.independent(at, [])
-    instead = " or ".join(leader.names[j] for j in beside) or "another coordinate of the scene"
-    moved = f"its rate is 0 there, however {instead} moves" if beside else "its rate is 0 there"
+    free = leader.independent(at, [])
+    instead = " or ".join(leader.names[j] for j in free) or "another coordinate of the scene"
+    moved = f"its rate is 0 there, however {instead} moves" if free else "its rate is 0 there"
     if suffix:
-        return f"wanted {has:.9g}: this place is a dead centre of {name}, {moved}"
+        return f"wanted {now:.9g}: this place is a dead centre of {name}, {moved}"
     return (
-        f"but stays at {has:.9g}: the start is a dead centre of {name}, {moved}, and on which side"
+        f"but stays at {now:.9g}: the start is a dead centre of {name}, {moved}, and on which side"
         f" it would go on is open; give {instead} instead, which leads it there, or q0 and v0"
     )

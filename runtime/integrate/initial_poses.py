@@ -72,7 +72,7 @@ def started(
             for name, is_length, columns in layout.coordinates
         },
         tuple(rows),
-        [at for _, at in layout.works],
+        [index for _, index in layout.works],
         layout.length,
         layout.unit,
     )
@@ -113,10 +113,10 @@ def place(
         Bodies or velocities are not where the solver can have them, or joints are open.
     """
     leader = Leader(start)
-    begun = written_state(start.bodies, start.q, start.v, start.unit)
+    initial_state = written_state(start.bodies, start.q, start.v, start.unit)
     problems: list[str] = []
     wanted = []
-    for name, values, written in zip(("q0", "v0"), (q0, v0), begun, strict=True):
+    for name, values, written in zip(("q0", "v0"), (q0, v0), initial_state, strict=True):
         if values is not None and (wrong := misfit_of_bodies(name, values, written.size)):
             raise InitialError(wrong)
         wanted.append(written if values is None else values.copy())

@@ -171,10 +171,10 @@ def roughness(
     nq = scene.nq
     travel = work.w.way_of(h, start.y, to.y)
     change = h * (to.y[nq:] - start.y[nq:] - 0.5 * h * (start.f[nq:] + to.f[nq:]))
-    known = larger(
+    allowed = larger(
         larger(NEGLIGIBLE_PREDICTION_ERROR, blur_of(work, state)), PREDICTION_ERROR_PART * travel
     )
-    rough = larger(drift, size_of(change)) / known
+    rough = larger(drift, size_of(change)) / allowed
     if scene.fits:  # no prediction tells how far drivers turn
         counted = slice(*scene.counted)
         turn = float(np.max(np.abs(to.y[counted] - start.y[counted]), initial=0.0)) / MOST_TURN
@@ -337,12 +337,12 @@ def unbalanced(s: Settings, h: float, state: State, work: Work) -> float:
         return 0.0
     works = slice(scene.nq - scene.works, scene.nq)
     unexplained = abs(energy_balance(end, work, state) - state.balance)
-    most = float(np.max(np.maximum(np.abs(state.y[works]), np.abs(end[works]))))
-    size = moving_energy(h, state, work) + most
-    known = ENERGY_ROUNDING * larger(abs(w.energies[1]), abs(state.energy))
+    largest_work = float(np.max(np.maximum(np.abs(state.y[works]), np.abs(end[works]))))
+    size = moving_energy(h, state, work) + largest_work
+    energy_rounding = ENERGY_ROUNDING * larger(abs(w.energies[1]), abs(state.energy))
     # velocities are known to as much of the way to another branch as positions are
     blur, rounding = blur_of(work, state), scale_by_distance(state.y, scene) * BRANCH_ROUNDING
-    return unexplained / ((s.tolerance + blur * blur / rounding) * size + known)
+    return unexplained / ((s.tolerance + blur * blur / rounding) * size + energy_rounding)
 
 
 def sum_works(
@@ -373,8 +373,8 @@ def sum_works(
     difference = (2.0 * half - rate - f) / 6.0
     scale = np.abs(rate) + 2.0 * np.abs(half) + np.abs(f)
     relative = difference / np.where(scale > 0.0, scale, 1.0)
-    most = larger(float(np.max(0.5 * h * difference * relative / sizes)), 0.0)
-    error = state.simpson = larger(most / s.tolerance, ERROR_DECAY * state.simpson)
+    simpson_error = larger(float(np.max(0.5 * h * difference * relative / sizes)), 0.0)
+    error = state.simpson = larger(simpson_error / s.tolerance, ERROR_DECAY * state.simpson)
     if not has_nodes:
         if error < SURE_WORK_ERROR and math.fmod(state.steps, RULE_TRIAL_STEPS) != 0.0:
             return error, False

@@ -186,7 +186,7 @@ class Layout:
             coordinates=tuple(
                 (item["name"], item["is_length"], item["columns"]) for item in data["coordinates"]
             ),
-            works=tuple((name, place) for name, place in data["works"]),
+            works=tuple((name, index) for name, index in data["works"]),
             is_flat=data["is_flat"],
             length=data["length"],
             closure_tolerance=data["closure_tolerance"],
@@ -519,7 +519,7 @@ class Motion(Result):
                 total = kinetic + potential
                 tables["energy"] = {"kinetic": kinetic, "potential": potential, "total": total}
                 tables["work"] = {
-                    name: parts["q"][:, place] / layout.unit**2 for name, place in layout.works
+                    name: parts["q"][:, index] / layout.unit**2 for name, index in layout.works
                 }
 
     @cached_property

@@ -156,7 +156,7 @@ def last_ratio(work: Work, state: State) -> float:
     return state.pivot_ratio if work.scene.has_refinement else pivot_ratio(work, state)
 
 
-def project_position(enough: float, work: Work, low: Array | None, state: State) -> float:
+def project_position(tolerance: float, work: Work, low: Array | None, state: State) -> float:
     """Newton's method on C(q) = 0, from q in the workspace, until corrections are small enough.
 
     One that is left is the square of the one before. The geometry in the workspace is then that
@@ -164,7 +164,7 @@ def project_position(enough: float, work: Work, low: Array | None, state: State)
 
     Parameters
     ----------
-    enough : float [-]
+    tolerance : float [-]
         A correction that may be left, lengths relative to that of the scene.
     work : Work
         Memory for work, with t and q.
@@ -187,7 +187,7 @@ def project_position(enough: float, work: Work, low: Array | None, state: State)
         if work.scene.nc == 0:
             return 0.0
         state.factorisations += 1
-        if before * before <= enough:
+        if before * before <= tolerance:
             return first
         correct_position(work)
         state.corrections += 1
@@ -207,7 +207,7 @@ def project_position(enough: float, work: Work, low: Array | None, state: State)
 
 def project(
     t: float,
-    enough: float,
+    tolerance: float,
     y: Array,
     low: Array | None,
     f: Array | None,
@@ -222,7 +222,7 @@ def project(
     ----------
     t : float [s]
         Time.
-    enough : float [-]
+    tolerance : float [-]
         A correction that may be left, relative to a length of the scene.
     y : (ny,) array
         Coordinates and velocities, in SI units.
@@ -242,7 +242,7 @@ def project(
     """
     w, nq = work.w, work.scene.nq
     w.place(t, y)
-    first = project_position(enough, work, low, state)
+    first = project_position(tolerance, work, low, state)
     if not first >= 0.0:
         return -1.0
     if work.scene.nc > 0 or work.scene.fits:

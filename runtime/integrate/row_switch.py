@@ -35,8 +35,8 @@ ALL_OF_THEM = -1.0
 
 def inverse_masses(work: Work) -> Array:
     """Diagonal (nv,) of M⁻¹ [1/kg, 1/(kg m²)] with the parameters of the run."""
-    fixed, at = work.scene.inverse_masses, work.scene.mass_places
-    return np.where(at < 0, fixed, work.w.design[at]) if len(at) else fixed
+    fixed, index = work.scene.inverse_masses, work.scene.mass_places
+    return np.where(index < 0, fixed, work.w.design[index]) if len(index) else fixed
 
 
 def write_jacobian(all_rows: RowMemory, work: Work) -> None:

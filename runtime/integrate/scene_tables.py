@@ -401,8 +401,8 @@ class Workspace:
         """
         self.run("move")
         if low is not None:
-            at, change = self.scene.shifts[: self.scene.added].T
-            low[at] += rounding_of_sum(self.q[at], self.dq[change], self.q_moved[at])
+            slots, change = self.scene.shifts[: self.scene.added].T
+            low[slots] += rounding_of_sum(self.q[slots], self.dq[change], self.q_moved[slots])
         self.q[:] = self.q_moved
 
     def size_of(self, u: Array) -> float:

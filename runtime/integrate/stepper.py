@@ -290,8 +290,8 @@ def usual_rate(h: float, end: Array, state: State, work: Work) -> float:
     It is told by the motion up to the end (ny,) of a step of h [s]: in other units of time it is
     the same.
     """
-    known = fastest(end, state, work)
-    return smaller(USUAL_STEP_MOTION / h, larger(NOTHING_MOVES / larger(state.stride, h), known))
+    speed = fastest(end, state, work)
+    return smaller(USUAL_STEP_MOTION / h, larger(NOTHING_MOVES / larger(state.stride, h), speed))
 
 
 def note_motion(h: float, end: Array, state: State, work: Work) -> None:
@@ -418,7 +418,7 @@ def stage(
     m: RungeKuttaMethod,
     n: int,
     h: float,
-    enough: float,
+    tolerance: float,
     y: Array,
     low: Array | None,
     work: Work,
@@ -431,7 +431,7 @@ def stage(
     """
     combine(n, m.a[n], state.low, h, work.k, y)
     add_to_start(state.y, y, low)
-    return project(state.time + m.c[n] * h, enough, y, low, work.k[n], work, state)
+    return project(state.time + m.c[n] * h, tolerance, y, low, work.k[n], work, state)
 
 
 def norm_error(m: RungeKuttaMethod, h: float, state: State, work: Work) -> float:
@@ -439,15 +439,15 @@ def norm_error(m: RungeKuttaMethod, h: float, state: State, work: Work) -> float
 
     Where steps are fixed no other error tells that bodies turn too far in one.
     """
-    y, most = work.scratch, 0.0
+    y, error = work.scratch, 0.0
     combine(m.stages, m.a[m.stages], state.low, h, work.k, y)
     add_to_start(state.y, y, None)
     for index, _, count in work.scene.turns:
         square = 0.0
         for x in y[index : index + count].tolist():
             square += x * x
-        most = larger(most, abs(math.sqrt(square) - 1.0))
-    return most
+        error = larger(error, abs(math.sqrt(square) - 1.0))
+    return error
 
 
 def note_root(part: float, root: float, trial: Trial) -> None:
@@ -490,8 +490,8 @@ def make_stages(
             note_root(-state.stage_before / trial.h, state.root_before, trial)
     for n in range(1, m.stages + 1):
         low = None if n < m.stages else work.low
-        enough = STAGE_RESIDUAL * tolerance if low is None else 0.0
-        trial.drift = stage(m, n, trial.h, enough, work.y, low, work, state)
+        allowed = STAGE_RESIDUAL * tolerance if low is None else 0.0
+        trial.drift = stage(m, n, trial.h, allowed, work.y, low, work, state)
         if trial.drift >= 0.0 and low is not None:
             check_digits(work.k[n], work, state)
         note_stage_ratios(m.c[n], trial, work, state)
@@ -515,14 +515,14 @@ def is_thrown_off(m: RungeKuttaMethod, trial: Trial, work: Work) -> bool:
     Its polynomial is thrown off, and it is too long for what its error does not tell.
     """
     nq, size_of, weights = work.scene.nq, work.w.size_of, (*m.a[m.stages], 1.0)
-    most, beside = size_of(work.y[nq:]) / trial.h, 0.0
+    counted, uncounted = size_of(work.y[nq:]) / trial.h, 0.0
     for n in range(m.all):
         size = size_of(work.k[n][nq:])
         if n <= m.stages and weights[n] != 0.0:
-            most = larger(most, size)
+            counted = larger(counted, size)
         else:
-            beside = larger(beside, size)
-    return beside > THROWN_OFF * most
+            uncounted = larger(uncounted, size)
+    return uncounted > THROWN_OFF * counted
 
 
 def least_of_parabola(trial: Trial, state: State) -> float:
@@ -566,8 +566,8 @@ def sign_change(trial: Trial) -> tuple[float, float]:
     x, r = trial.parts, trial.roots
     part, slope, least = 0.0, 0.0, math.inf
     for k in range(len(x) - 1):
-        width, both = x[k + 1] - x[k], r[k] + r[k + 1]
-        if not x[k + 1] > 0.0 or not both < least:
+        width, total = x[k + 1] - x[k], r[k] + r[k + 1]
+        if not x[k + 1] > 0.0 or not total < least:
             continue
         ahead, back = math.inf, math.inf
         if k > 0:
@@ -575,7 +575,7 @@ def sign_change(trial: Trial) -> tuple[float, float]:
         if k + 2 < len(x):
             back = r[k + 1] - width * (r[k + 2] - r[k + 1]) / (x[k + 2] - x[k + 1])
         if ahead < SIGN_CHANGE_PART * r[k + 1] or back < SIGN_CHANGE_PART * r[k]:
-            part, slope, least = x[k] + width * meeting_part(r[k], r[k + 1]), both / width, both
+            part, slope, least = x[k] + width * meeting_part(r[k], r[k + 1]), total / width, total
     return part, slope
 
 
@@ -632,8 +632,8 @@ def accept(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
         before = larger(state.error, LEAST_EARLIER_ERROR)
         factor = SAFETY * error ** (-ERROR_EXPONENT * exponent)
         factor *= before ** (EARLIER_ERROR_EXPONENT * exponent)
-    most = 1.0 if tried.is_rejected else MOST_STEP_FACTOR
-    following = h * smaller(most, larger(LEAST_STEP_FACTOR, factor))
+    largest_factor = 1.0 if tried.is_rejected else MOST_STEP_FACTOR
+    following = h * smaller(largest_factor, larger(LEAST_STEP_FACTOR, factor))
     limit, speed = longest_way(tried, trial, work, state), work.w.size_of(work.y[work.scene.nq :])
     if work.scene.is_driven and limit < math.inf and speed > 0.0:  # what is longer is made in vain
         following = smaller(following, LIMITED_STEP_PART * limit / speed)
@@ -738,8 +738,8 @@ def find_error(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
         trial.error = local_error(m, trial, state, work, tolerance, is_locked=is_locked)
         trial.error *= near_fractional_power(tried, trial, work, state)
         if tells_drift(trial, state, work):
-            most = MOST_DRIFT * larger(s.tolerance, LEAST_DRIFT)
-            trial.error = larger(trial.drift / most, trial.error)
+            largest_drift = MOST_DRIFT * larger(s.tolerance, LEAST_DRIFT)
+            trial.error = larger(trial.drift / largest_drift, trial.error)
     if is_kept(trial):
         note_largest_pivot(work, state)
         work.w.run("coordinate")
@@ -851,8 +851,8 @@ def resolved_in(until: float, tried: Attempts, trial: Trial, work: Work, state: 
         tried.shorter += 1
         # for less the next trial has no digits
         tiny = SMALLEST * larger(abs(state.time), abs(tried.end))
-        there = larger(resolved_end(until, search), state.time + ONWARD * tiny)
-        return there if there < until else trial.end
+        end = larger(resolved_end(until, search), state.time + ONWARD * tiny)
+        return end if end < until else trial.end
     is_resolved = are_narrow_resolved(state.time, until, search)
     is_resolved = is_resolved or is_at_pole(state.time, until, search, in_between=True)
     search.is_unresolved = search.is_unresolved or not is_resolved
@@ -887,11 +887,11 @@ def is_at_event(tried: Attempts, trial: Trial, state: State) -> bool:
     if tried.polished >= MOST_POLISHED:
         return True
     tried.polished += 1
-    there = smaller(polished_cut(search), tried.limit)
-    if not abs(there - end) > 4.0 * SMALLEST * abs(end):
+    root = smaller(polished_cut(search), tried.limit)
+    if not abs(root - end) > 4.0 * SMALLEST * abs(end):
         return True
-    tried.end = search.cut = there
-    state.step_size = larger(state.step_size, there - state.time)
+    tried.end = search.cut = root
+    state.step_size = larger(state.step_size, root - state.time)
     return False
 
 

@@ -287,15 +287,15 @@ def note_impulse(before: float, acceleration: float, state: State, work: Work) -
     w, scene, n = work.w, work.scene, len(state.sides)
     if scene.n_poles == 0:
         return
-    there = []
+    sides = []
     for time in (before, state.time):
         read = read_of(time, state.y, w)
-        there.append(
+        sides.append(
             side_at(evaluate_node(read, np.zeros_like(read), time, w))[n - scene.n_poles : n]
         )
-    if (there[0] != there[1]).any():
-        both = acceleration + w.size_of(state.f[scene.nq :])
-        state.impulse += (state.time - before) * both
+    if (sides[0] != sides[1]).any():
+        total = acceleration + w.size_of(state.f[scene.nq :])
+        state.impulse += (state.time - before) * total
         state.impulse_time = state.time
 
 
@@ -368,13 +368,13 @@ def change_by_rounding(end: float, state: State, work: Work) -> float:
     is_steep = find_steep(read, rounding, time, w)
     if not is_steep.any():
         return 0.0
-    there, times = [], 1.0
+    displaced, times = [], 1.0
     for n in range(6):
         if not displace_by_rounding(times, work.y, work.k[n], state, work):
             return 0.0
-        there.append(read_beside(time, longest, work.y, work.k[n], work))
+        displaced.append(read_beside(time, longest, work.y, work.k[n], work))
         times = -times if n % 2 == 0 else -FAR_BY_ROUNDING * times
-    (above, above_ahead), (below, below_ahead) = there[:2]
+    (above, above_ahead), (below, below_ahead) = displaced[:2]
     first, second = (above_ahead - above)[:, 1], (below_ahead - below)[:, 1]
     is_back = np.zeros_like(is_steep)
     for k, n in np.ndindex(*read.shape):
@@ -403,9 +403,9 @@ def note_steepness(start: float, end: float, state: State, work: Work) -> None:
     It counts where the step began so steep, too, not where it came to such a place or passed it.
     """
     before, state.steepness = state.steepness, change_by_rounding(end, state, work)
-    both = smaller(before, state.steepness)
-    if both > 0.0:
-        state.impulse += (state.time - start) * both
+    least = smaller(before, state.steepness)
+    if least > 0.0:
+        state.impulse += (state.time - start) * least
         state.impulse_time = state.time
 
 
@@ -465,8 +465,8 @@ def is_resolved(tolerance: float, first: float, last: float, w: Workspace) -> bo
         least, most = smallest(sample, least), largest(sample, most)
     size, scales = largest(-least, most), w.scene.feature_scales
     negligible = negligible_variation(size, scales, tolerance, first, last)
-    enough = EXPLAINED * (most - least) + negligible
-    return bool(np.all(change <= enough))
+    allowed = EXPLAINED * (most - least) + negligible
+    return bool(np.all(change <= allowed))
 
 
 def resolved_step(

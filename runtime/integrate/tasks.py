@@ -155,11 +155,11 @@ def segment_of(kernels: Sequence[TaskKernel], text: str) -> Segment:
     table = places(text, 1)[:, 0]
     segment: Segment = []
     few: list[tuple[TaskKernel, list[int], list[int]]] = []
-    at = 0
-    while at < len(table):
-        kernel, count = kernels[table[at]], int(table[at + 1])
-        end = at + 2 + count * kernel.runs
-        runs = table[at + 2 : end].reshape(count, kernel.runs)
+    cursor = 0
+    while cursor < len(table):
+        kernel, count = kernels[table[cursor]], int(table[cursor + 1])
+        end = cursor + 2 + count * kernel.runs
+        runs = table[cursor + 2 : end].reshape(count, kernel.runs)
         reads = runs[:, kernel.reads[:, 0]] + kernel.reads[:, 1]
         writes = runs[:, kernel.writes[:, 0]] + kernel.writes[:, 1]
         if count >= MANY:
@@ -169,7 +169,7 @@ def segment_of(kernels: Sequence[TaskKernel], text: str) -> Segment:
         else:
             slots = zip(reads.tolist(), writes.tolist(), strict=True)
             few += [(kernel, read, written) for read, written in slots]
-        at = end
+        cursor = end
     return [*segment, *_in_turn(few)]
 
 

@@ -179,8 +179,8 @@ class Trust:
             name, moved = next(iter(self.below_tolerance.items()))
             others = len(self.below_tolerance) - 1
             more = f", so do {others} more" * (others > 0)
-            way = f"{shortly(moved)} of a length or rad"
-            yield f"{name} moves by {way}, less than this tolerance tells{more}"
+            size = f"{shortly(moved)} of a length or rad"
+            yield f"{name} moves by {size}, less than this tolerance tells{more}"
         if self.branch_point_time is not None:
             when = shortly(self.branch_point_time, 6)
             yield f"branch not known beyond t = {when} s, where another one comes near"
@@ -209,19 +209,19 @@ def allowed_part(limit: float, settings: Settings, single: Mapping[str, float]) 
     It is the limit, unless bodies move so little in the longest step that velocities and their
     errors are compared with more: at rest all that moves may be such an error.
     """
-    way = single["fastest"] * single["stride"]
-    if settings.fixed_step > 0.0 or not 0.0 < way < NOTHING_MOVES:
+    travel = single["fastest"] * single["stride"]
+    if settings.fixed_step > 0.0 or not 0.0 < travel < NOTHING_MOVES:
         return limit
-    part = limit * (NOTHING_MOVES / way)
+    part = limit * (NOTHING_MOVES / travel)
     return part + part * part
 
 
 def known_energy(single: Mapping[str, float]) -> float:
     """Uncertainty of energies [J]: below that they are rounding, or heat of what hardly moves."""
     moved = single["energy_moved"]
-    known = larger(larger(abs(single["energy"]), abs(single["potential"])), moved)
+    largest = larger(larger(abs(single["energy"]), abs(single["potential"])), moved)
     is_still = single["fastest"] * single["stride"] < NOTHING_MOVES
-    return larger(KNOWN * known, HEAT * is_still)
+    return larger(KNOWN * largest, HEAT * is_still)
 
 
 def fastest_or_nothing(single: Mapping[str, float]) -> float:
@@ -297,7 +297,7 @@ def problems_of(
     opened = map(scene_key, released(missed_by(state["violations"][0], rows, layout), layout))
     moved, count = shortly(single["energy_moved"], 2), single["branch_points"]
     impulse = shortly(relative_impulse(single))
-    far = f"of a length of the scene, wanted at most {shortly(verdict.correction_limit)}"
+    limits = f"of a length of the scene, wanted at most {shortly(verdict.correction_limit)}"
     reasons = {
         Doubt.NOT_FINITE: f"numbers of rows are not finite, of {single['not_finite']:.0f} in all,"
         f" first at t = {single['not_finite_time']:.9g} s: a formula has no value there; ask for"
@@ -308,10 +308,10 @@ def problems_of(
         f" at most {shortly(verdict.energy_limit)} J",
         Doubt.WORKS: f"works are off by {shortly(single['work_error'])} J of {moved} J, as"
         f" positions between those of steps tell, wanted at most {shortly(verdict.work_limit)} J",
-        Doubt.CONSTRAINTS: f"constraints are left by {shortly(verdict.constraints)} {far}",
-        Doubt.DRIFT: f"a step left the constraints by {shortly(single['drift'])} {far}",
+        Doubt.CONSTRAINTS: f"constraints are left by {shortly(verdict.constraints)} {limits}",
+        Doubt.DRIFT: f"a step left the constraints by {shortly(single['drift'])} {limits}",
         Doubt.ROW_DRIFT: "rows between steps are off the constraints by"
-        f" {shortly(single['row_drift'])} {far}",
+        f" {shortly(single['row_drift'])} {limits}",
         OF_STEPS: f"try {advice}",
         Doubt.BRANCH_POINTS: f"{count:.0f} step{'s' * (count > 1)} went by a singular"
         f" configuration, the first to t = {single['branch_point_time']:.6g} s: the motion may be"
@@ -401,8 +401,8 @@ def below_tolerance(
     low, high = state["lowest"], state["highest"]
     ranges, sizes = high - low, np.maximum(np.abs(low), np.abs(high))
     first, length = len(low) - len(layout.coordinates), layout.length
-    far = [k for body in layout.bodies for k in body.r if isinstance(k, int)]
-    rounding = KNOWN * (1.0 + float(np.max(sizes[far], initial=0.0)) / length)
+    positions = [k for body in layout.bodies for k in body.r if isinstance(k, int)]
+    rounding = KNOWN * (1.0 + float(np.max(sizes[positions], initial=0.0)) / length)
     shown, bodies = {}, {}
     for k, (name, is_length, _) in enumerate(layout.coordinates, first):
         unit = length if is_length else 1.0
@@ -413,8 +413,8 @@ def below_tolerance(
         motions += [2.0 * ranges[k] for k in body.p if isinstance(k, int)]
         if max(motions, default=0.0) > rounding:
             bodies[f"bodies.{body.name}"] = float(max(motions))
-    every = [*sorted(shown.items(), key=itemgetter(1)), *sorted(bodies.items(), key=itemgetter(1))]
-    return {name: motion for name, motion in every if motion <= limit}
+    pairs = [*sorted(shown.items(), key=itemgetter(1)), *sorted(bodies.items(), key=itemgetter(1))]
+    return {name: motion for name, motion in pairs if motion <= limit}
 
 
 def untold(single: Mapping[str, float], advice: str) -> str:
@@ -465,5 +465,5 @@ def missed_by(worst: Array, rows: CheckedRows, layout: Layout) -> dict[str, Miss
 
 def released(missed: Mapping[str, Missed], layout: Layout) -> tuple[str, ...]:
     """Joints that came open at rows that were left out."""
-    most = CLEARLY * layout.closure_tolerance
-    return tuple(joint for joint, miss in missed.items() if not miss.part <= most)
+    limit = CLEARLY * layout.closure_tolerance
+    return tuple(joint for joint, miss in missed.items() if not miss.part <= limit)

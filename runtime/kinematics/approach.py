@@ -39,9 +39,9 @@ def approach(path: Continuation, residual: float) -> float:
     """
     run, home = path.run, path.position.x
     target, _ = run.laws_at(0.0)
-    far = target[0] - path.position.alpha[0]
-    turn = math.copysign(math.tau, far)
-    turns = far / turn if len(target) == 1 and run.is_periodic else 0.0
+    distance = target[0] - path.position.alpha[0]
+    turn = math.copysign(math.tau, distance)
+    turns = distance / turn if len(target) == 1 and run.is_periodic else 0.0
     if turns >= MOST_TRIES:
         raise StopError(AnalysisStatus.TOO_FAR)
     made, remaining = 0, int(turns)

@@ -47,9 +47,9 @@ def _assemble_block(newton: Newton, number: int) -> float:
     except StopError as stop:
         if stop.status != AnalysisStatus.DEAD_CENTRE:
             raise
-        near = size <= SETTLED * newton.length
+        is_near = size <= SETTLED * newton.length
         raise StopError(
-            AnalysisStatus.ON_DEAD_CENTRE if near else AnalysisStatus.NOT_ASSEMBLED
+            AnalysisStatus.ON_DEAD_CENTRE if is_near else AnalysisStatus.NOT_ASSEMBLED
         ) from None
     _, pivot = block.evaluate()
     newton.orientation[number] = pivot

@@ -103,22 +103,22 @@ class Continuation:
         pace, pace_dot = delta, np.zeros_like(delta)
         if run.times is not None:
             pace, pace_dot = self.rate, np.asarray(run.rate_dot)
-        whole = np.where(delta, delta, self.newton.length / self.input_scale)
-        left = 1.0 if run.times is None else float(run.times[row]) - self.time
+        per_division = np.where(delta, delta, self.newton.length / self.input_scale)
+        remaining = 1.0 if run.times is None else float(run.times[row]) - self.time
         time = 0.0
-        while left > 0:
+        while remaining > 0:
             tries += 1
-            step = min(self.step, left)
+            step = min(self.step, remaining)
             if run.times is None:
                 part = step
-                alpha, change = target - (left - step) * delta, step * delta
+                alpha, change = target - (remaining - step) * delta, step * delta
             else:
                 end = run.end_of(self.time, float(run.times[row]))
-                remaining = end - self.time
-                step, time = (step, self.time + step) if step < remaining else (remaining, end)
+                longest = end - self.time
+                step, time = (step, self.time + step) if step < longest else (longest, end)
                 alpha, _ = run.laws_at(time)
                 change = alpha - self.position.alpha
-                part = largest(change / whole)
+                part = largest(change / per_division)
             predicted = self.position.x + step * (self.x1 + 0.5 * step * self.x2)
             trial = predicted.copy()
             try:
@@ -134,15 +134,15 @@ class Continuation:
                         AnalysisStatus.TOO_FAR if tries > MOST_TRIES else stop.status
                     ) from None
                 continue
-            left -= step
+            remaining -= step
             self.step = max(self.step, 2 * step) if 2 * tilt <= MOST_TILT else step
             iterations, residual = iterations + convergence.iterations, convergence.residual
             self._accept(alpha, trial)
             self.division = row
             if run.times is not None:
                 _, self.rate = run.laws_at(time)
-                self.time, left, pace = time, float(run.times[row]) - time, self.rate
-            if left > 0:
+                self.time, remaining, pace = time, float(run.times[row]) - time, self.rate
+            if remaining > 0:
                 self.x1, self.x2 = self._derivatives(pace, pace_dot)
         self.division = row
         return Convergence(iterations, residual)

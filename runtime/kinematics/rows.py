@@ -196,9 +196,9 @@ class RunRequest:
     def whole_turns(self, division: int) -> Array:
         """Whole turns (inputs,) [rad] by which counted inputs exceed those of a division."""
         n = self.divisions
-        parts = [math.fmod(turns * division, n) for turns in self.turns]
-        pairs = zip(self.turns, parts, strict=True)
-        return np.array([math.tau * round((turns * division - p) / n) for turns, p in pairs])
+        remainders = [math.fmod(turns * division, n) for turns in self.turns]
+        pairs = zip(self.turns, remainders, strict=True)
+        return np.array([math.tau * round((turns * division - r) / n) for turns, r in pairs])
 
     def counted_inputs(self, division: int) -> list[float]:
         """Inputs (inputs,) of a division, in their units, counting on over the turns.

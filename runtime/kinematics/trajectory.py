@@ -243,9 +243,9 @@ class Trajectory(Result):
     def notes(self) -> tuple[str, ...]:
         """Notes for a reader: turns that do not lead back, and digits that are lost."""
         notes = []
-        far = ", ".join(f"{node} {gap:.3g} {self.unit}" for node, gap in self.turn_gaps.items())
-        if far:
-            notes.append(f"a turn leads to another assembly: {far} from where it began")
+        gaps = ", ".join(f"{node} {gap:.3g} {self.unit}" for node, gap in self.turn_gaps.items())
+        if gaps:
+            notes.append(f"a turn leads to another assembly: {gaps} from where it began")
         if (condition := self.ledger.condition) >= DIGITS_LOST:
             k = int(np.argmax(self.condition))
             where = ", ".join(
