@@ -42,7 +42,7 @@ NOT_NEAREST = (
     "with these parameters bodies begin where they follow to from the start of the scene: the"
     " nearest place, where the file with them has bodies, was not found"
 )
-#: Notes leave out what is below this part of a scene's length or speed: "near" means that.
+#: Notes leave out changes below this part of a scene's length or speed: "near" means that.
 TOLD = 1e-2
 #: Changes below this part of them are rounding of the digits that people give.
 KNOWN = 1e-6
@@ -354,8 +354,8 @@ def assembled_start(
 def nearest(layout: Layout, bodies: WrittenBodies, evaluate: Evaluate, q: Array) -> Array | None:
     """Place (nq,) nearest to where the scene has its bodies, that can be reached from q (nq,).
 
-    There the force f of ½ dᵀ W d is normal to the constraints: what is tangent of −M⁻¹ f is a step
-    towards it, as long as Barzilai and Borwein take it. None where that leads nowhere. In SI units.
+    There the gradient f of ½ dᵀ W d is normal to the constraints: the tangent part of −M⁻¹ f is a
+    step towards it, as long as Barzilai and Borwein take it. None where it leads nowhere. SI units.
     """
     rest, moves = np.zeros(layout.sizes["v"]), np.ones(len(q))
     moves[[index for _, index in layout.works]] = 0.0

@@ -24,18 +24,19 @@ if TYPE_CHECKING:
     from .scene_tables import Work
     from .state import State
 
-#: What rows may be off a smooth way, in lengths and radians. A gap between branches of as much as
-#: that, times the distance at which it is looked for, is none: about 1e-14, which is rounding.
+#: Largest correction of places of a smooth way onto the rows, in lengths and radians. A gap between
+#: branches is none where it, times the distance at which it is looked for, is below the second:
+#: that is rounding.
 OFF_WAY = 1e-9
 NO_GAP = 1e-14
-#: How far beside the place where branches meet that is seen, in a step; how much nearer each time,
-#: and in lengths and radians at last; how often.
+#: Distance from the place where branches meet at which gaps are looked for first, in a step; its
+#: factor from time to time, the last one, in lengths and radians, and how often it is tried.
 FIRST_DISTANCE = 0.03
 DISTANCE_FACTOR = 0.1
 NEAREST_DISTANCE = 1e-5
 MOST_APPROACHES = 12
-#: What rows may be off, of the distance from such a place, where that is not in a step; and how
-#: many times larger one root at the ends may be than the other: drivers that turn back hide one.
+#: Largest correction, relative to the distance from such a place, where that is not in a step; and
+#: largest ratio of the roots at its ends: drivers that turn back hide one.
 FAR_ERROR_PART = 1e-2
 LARGEST_ROOT_RATIO = 2.0
 #: Verdicts on a step: it may end on another branch, it stays on its own, or goes straight on where

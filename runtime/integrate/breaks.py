@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from .crossing import Search
 
 #: A step that leads over a jump begins at this part of the longest step before it, in units of the
-#: tolerance: what its stages on both sides leave is that much less than may be.
+#: tolerance: errors of its stages on both sides are that much below the tolerance.
 NEAR = 1e-6
 
 

@@ -103,7 +103,7 @@ def set_parameters(target: Array, part: float, w: Workspace) -> None:
 def continue_parameters(state: State, work: Work) -> bool:
     """Bring positions to where bodies fit and drivers begin with the parameters of the run.
 
-    That may be far from where it is with those of the scene, so these become the others by small
+    That may be far from where bodies are with those of the scene, so these are changed by small
     steps. Velocities stay as they are given, however many steps it takes: they are projected once,
     at the end of the way. Returns whether the parameters can be reached.
     """

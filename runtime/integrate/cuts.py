@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 #: A step that was cut leads over such a place where this part of it is behind.
 BEHIND = 0.3
-#: Places within this part of a trial that is not kept must lie where its first rates lead: what is
-#: zero there has fallen to this part of what it was, or is that part of the one to which they lead.
+#: Places within the first part of a trial that is not kept must be such along its first rates, too:
+#: values fall there to the second part of the first one, or to the third of that at its end.
 EARLY = 0.1
 FALLEN_PART = 0.3
 THERE = 1e-3

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 #: polynomial, one in formulas to the second: bounds tell how these vary, but for errors of places.
 REVERSAL_PART = 0.0625
 BOUNDED_REVERSAL_PART = 1e-2
-#: Rates of squares are told by their difference over this part of a step, 2⁻²⁰.
+#: Rates of squares are their differences over this part of a step, 2⁻²⁰.
 DIFFERENCE = 9.5367431640625e-7
 #: The node in the middle of a step: each lies twice as far from its start as the one before it, the
 #: first at that difference.
@@ -101,7 +101,7 @@ def falls_in(half: int, nodes: Array) -> bool:
 def may_reverse(h: float, y: Array, f: Array, search: Search) -> bool:
     """Whether a distance may fall in a step of h [s] from the state to y (ny,), f = ẏ (ny,) there.
 
-    A cubic polynomial tells what is in it.
+    By squares of distances along the cubic polynomial between both.
     """
     state, nodes = search.state, []
     for part in NODES:

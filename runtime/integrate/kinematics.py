@@ -93,15 +93,14 @@ SURE_WORK_ERROR = 1e-3
 RULE_TRIAL_STEPS = 64.0
 #: Energies are rounding below that part of them.
 ENERGY_ROUNDING = 1e-13
-#: What a rule left counts from step to step by this part: at a turning point of the rate it is
+#: The error of a rule counts in the next step by this part: at a turning point of the rate it is
 #: small.
 ERROR_DECAY = 0.5
 #: A node of Lobatto's rule of five, a part of a step: (1 - sqrt(3/7)) / 2.
 LOBATTO_NODE = 0.17267316464601143
-#: Its error goes with the cube of what it changes, over the square of what Simpson's rule does: so
-#: it is twice that of a sine. Where even powers of time change nothing by chance, odd ones do:
-#: where its nodes in the half of a step around the middle are, the square of what a cubic
-#: polynomial is off a straight line there, and what that counts.
+#: Its error goes with the cube of its correction, over the square of Simpson's, times the first
+#: part: twice that of a sine. Where even powers of time correct nothing by chance, odd ones do: the
+#: place s of its inner nodes, from the middle in half steps, the square of s - s³, and the weight.
 EVEN_ERROR_PART = 0.2
 ODD_PLACE = 0.6546536707079772
 ODD_PART = 0.14

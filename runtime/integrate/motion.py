@@ -47,14 +47,14 @@ OUTPUTS = {
     **dict.fromkeys(COORDINATE, "coordinates"),
     "coordinate_acceleration": "accelerations",
 }
-#: Outputs, and what a row has for them.
+#: Outputs, and the part of a row that has them.
 PARTS_OF_ROWS = {
     "accelerations": "v_dot",
     "coordinates": "coordinates",
     "reactions": "reactions",
     "energies": "energies",
 }
-#: What has a name of its own in metres.
+#: Units with a name of their own in metres.
 IN_METRES = {"force": "N", "torque": "N m", "energy": "J", "work": "J"}
 
 

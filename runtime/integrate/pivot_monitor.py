@@ -18,11 +18,11 @@ if TYPE_CHECKING:
 WEAK_PIVOT_RATIO = 1e-6
 #: One this much smaller: small errors of positions decide about velocities and accelerations.
 VAGUE_PIVOT_RATIO = 1e-8
-#: Rounding may leave as much of a position over the root of what tells branches: branches that miss
-#: each other by less meet in double precision.
+#: Rounding of a position, times the root of the ratio that tells branches: branches that miss each
+#: other by less meet in double precision.
 BRANCH_ROUNDING = 1e-14
-#: Bodies that are so many lengths of the scene from the origin of frame O are far: what rounding
-#: leaves of their positions counts.
+#: Bodies that are so many lengths of the scene from the origin of frame O are far: rounding of
+#: their positions counts.
 FAR_AWAY = 100.0
 
 

@@ -127,8 +127,8 @@ def check_digits(f: Array, work: Work, state: State) -> None:
 def accelerate(work: Work, state: State) -> None:
     """Find q_dot (nq,), v_dot (nv,) [m/s², rad/s²] and the multipliers (nc,).
 
-    M v̇ + C_qᵀλ = f and C_q v̇ = γ. Where much of them was lost, they are brought nearer by what is
-    left of the latter: S = C_q M⁻¹ C_qᵀ squares the condition of C_q, which this takes back.
+    M v̇ + C_qᵀλ = f and C_q v̇ = γ. Where many digits were lost, they are refined by the residual
+    of the latter: S = C_q M⁻¹ C_qᵀ squares the condition of C_q, which this takes back.
     """
     all_rows = work.all if work.all is not None and work.all.is_on else None
     if all_rows is None:

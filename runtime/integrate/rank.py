@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from .scene_tables import SceneTables, Work
     from .state import State
 
-#: What is left of rows that depend on others to rounding.
+#: Remainder of rows that depend on others but for rounding.
 HARDLY = 1e-11
 #: A body whose arms are a smaller part of the longest has none.
 NO_ARM = 1e-9
@@ -95,7 +95,7 @@ def rate_of_row(rank: Rank) -> tuple[Array, Array]:
 def rank_here(rank: Rank, work: Work) -> int:
     """Number of rows that are independent beyond doubt at the geometry in the workspace.
 
-    They become a basis, and their rates negative; those of the others are what they miss.
+    They become a basis, and their rates negative; those of the others are their misses.
     """
     limit, count = CLEARLY * work.scene.closure_tolerance, 0
     write_scaled_rows(rank, work)
@@ -148,8 +148,8 @@ def is_regular_beside(wanted: int, rank: Rank, state: State, work: Work) -> bool
 def keep_rank(state: State, work: Work) -> bool:
     """Whether rows that are independent with the parameters of the scene are so in the run.
 
-    The former is where the scene starts with them. What others miss takes the place of residuals,
-    0 of those that are independent. The state stays as it is.
+    The former rank is that where the scene starts. What other rows miss takes the place of
+    residuals, 0 of those that are independent. The state stays as it is.
     """
     w, y, rank = work.w, work.k[0], Rank(work.scene)
     counts = state.numbers[:SINGLE].copy()

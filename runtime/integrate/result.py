@@ -96,7 +96,7 @@ if TYPE_CHECKING:
 
 
 Value = TypeVar("Value")
-#: What changes less, as a part of what it is compared with, does so by rounding.
+#: Columns that change by a smaller part of their size do so by rounding.
 ROUNDING_OF_COLUMNS = 1e-9
 #: Files that results go to; the last one needs pandas and pyarrow.
 SUFFIXES = (".csv", ".npz", ".parquet")

@@ -74,16 +74,16 @@ LEAST_PART = 0.02
 MOST_POLISHED = 3
 #: The largest correction of a step where drivers lead.
 MOST_DRIVEN_CORRECTION = 1e-3
-#: This part of what is normal to the constraints does not count as an error; nothing of it does
-#: where drivers lead, which is exact, and at a pivot ratio this much smaller than the largest so
-#: far, where it is rounding.
+#: This part of the normal component of an error does not count; nothing of it does where drivers
+#: lead, which is exact, and at a pivot ratio this much smaller than the largest so far, where it is
+#: rounding.
 FORGIVEN_NORMAL_PART = 0.5
 CLEAR_PIVOT_RATIO = 1e-3
-#: What a step may be off the constraints, in tolerances, and the least of these: half of what is
-#: trusted. Estimates can be blind where bodies turn by some radians in a step, this is not.
+#: Largest drift of a step off the constraints, in tolerances, and the least of these: half of what
+#: is trusted. Estimates can be blind where bodies turn by some radians in a step, this is not.
 MOST_DRIFT = 50.0
 LEAST_DRIFT = 1e-11
-#: What the worse of two estimates counts, of a step from a switch to the next: such steps begin and
+#: Weight of the worse of two estimates, in a step from a switch to the next: such steps begin and
 #: end at the same phases of a force that repeats, so that their errors have one sign and add up,
 #: and the better estimate can be blind at just these. Of a half-wave of a sine in one step of
 #: DOP853 it is 4 times too small; this is 10 times too large.
@@ -287,8 +287,7 @@ def fastest(end: Array, state: State, work: Work) -> float:
 def usual_rate(h: float, end: Array, state: State, work: Work) -> float:
     """Rate that rates of a step are compared with, in lengths of the scene and radians [1/s].
 
-    It is told by the motion up to the end (ny,) of a step of h [s]: in other units of time it is
-    the same.
+    It is that of the motion up to the end (ny,) of a step of h [s], the same in all units of time.
     """
     speed = fastest(end, state, work)
     return smaller(USUAL_STEP_MOTION / h, larger(NOTHING_MOVES / larger(state.stride, h), speed))

@@ -54,18 +54,18 @@ SHORT = 1e-4
 GROWTH = 10.0
 FORGETTING = 0.9999
 LONG = 0.1
-#: How far on both sides of a switch the laws of drivers are looked at, in parts of the time: one
-#: of these tells that they go on smoothly. What rounding leaves of them, relative to what they are.
+#: Distances on both sides of a switch at which laws of drivers are looked at, in parts of the time:
+#: at one of them they go on smoothly. Rounding of laws, relative to their values.
 FAR_BESIDE = 1e-6
 BESIDE = 1e-7
 EQUAL = 1e-12
 #: How far behind a switch a force has a value, in parts of the time, if it has one.
 FURTHEST_BEHIND = 1e-12
-#: How much the third derivative may be beyond that on the sides.
+#: Factor by which the third derivative may exceed that on the sides.
 BENDING = 4.0
 #: Where forces may be too steep for doubles bodies are displaced by rounding, and by so many times
-#: that. What explains changes of both but for this part is a slope, or a kink. What is pushed back
-#: so many times as far as it is displaced until the end swings: once and a half or more often.
+#: that. Changes by both are those of a slope, or of a kink, but for these parts. What is pushed
+#: back so many times as far as it is displaced until the end swings: once and a half or more often.
 FAR_BY_ROUNDING = 16.0
 EVEN_SLOPE = 0.03
 EVEN_KINK = 0.01
@@ -164,7 +164,7 @@ def laws_at(time: float, w: Workspace) -> Array:
 def law_rounding(time: float, span: float, w: Workspace) -> Array:
     """Error (laws, 3) that rounding may leave of laws and two derivatives at a time [s].
 
-    They may be differences of what is much larger: bounds over a time that is none tell it.
+    They may be differences of much larger terms: bounds within rounding of the time tell it.
     """
     no_time = NO_TIME * SMALLEST * span
     bounds = bound_laws(time - no_time, time + no_time, w)
@@ -280,9 +280,9 @@ def is_put_behind(span: float, state: State, work: Work) -> bool:
 def note_impulse(before: float, acceleration: float, state: State, work: Work) -> None:
     """Note what a force that is infinite at a switch may do while bodies are put behind it.
 
-    Nothing moves there, and no times are told apart that are nearer to it. How far both sides are
-    from each other, times what accelerates bodies on these, is as much, as of 1/sqrt|t - 5|, or
-    tells that it is far too much. Where no force can be infinite that is no more than rounding.
+    Nothing moves there, and rounding hides times that are nearer to it. The time between both
+    sides, times accelerations of bodies on these, is as much, as of 1/sqrt|t - 5|, or tells that it
+    is far too much. Where no force can be infinite that is no more than rounding.
     """
     w, scene, n = work.w, work.scene, len(state.sides)
     if scene.n_poles == 0:
@@ -312,7 +312,7 @@ def widths_of(read: Array, noise: Array, time: float, w: Workspace) -> tuple[Arr
 def find_steep(read: Array, noise: Array, time: float, w: Workspace) -> Flags:
     """Parts (n,) of forces that change, by rounding of what they read, as none that has a slope.
 
-    That is much more than a sixteenth of what they change by as many times the rounding.
+    That is by much more than a sixteenth of their changes by sixteen times the rounding.
     """
     wider, _ = widths_of(read, FAR_BY_ROUNDING * noise, time, w)
     widths, sizes = widths_of(read, noise, time, w)
@@ -510,5 +510,5 @@ def resolved_step(
         state.short_steps += 1
     if not allowed < length:
         return end
-    # in equal steps: what is left of the way must be none too short
+    # in equal steps: the last one must not be too short
     return start + length / math.ceil(length / allowed)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     Values: TypeAlias = Sequence[Any] | Array
     Function: TypeAlias = Callable[[Values, "Functions"], list[Any]]
 
-#: So many tasks of a kernel are faster on arrays.
+#: From so many tasks of a kernel on arrays are faster.
 MANY = 16
 
 
@@ -174,7 +174,7 @@ def segment_of(kernels: Sequence[TaskKernel], text: str) -> Segment:
 
 
 def _in_turn(tasks: list[tuple[TaskKernel, list[int], list[int]]]) -> list[InTurn]:
-    """Tasks in turn: what they read that none wrote before is gathered, the others find theirs."""
+    """Tasks in turn: slots that they read, and none of them wrote before, are gathered."""
     if not tasks:
         return []
     gathered: dict[int, int] = {}

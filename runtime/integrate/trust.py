@@ -28,9 +28,9 @@ MOST_LOST = 0.5
 FIXED = 1e-9
 #: The least tolerance of corrections: near singular configurations they have more of rounding.
 LEAST = 1e-11
-#: What energies are known to, and constraints, relative to what they are compared with.
+#: Rounding of energies and of constraints, relative to what they are compared with.
 KNOWN = 1e-12
-#: What rows that are left out miss is rounding below that, in lengths of the scene or radians.
+#: Misses of rows that are left out are rounding below this, in lengths of the scene or radians.
 MISSES = 1e-9
 #: An energy that is no motion where hardly anything moves: that of heat, of one freedom at room
 #: temperature [J].
@@ -247,7 +247,7 @@ def judge(
     has_masses: bool,
     is_driven: bool,
 ) -> RunVerdict:
-    """Doubts and numbers of the verdict on a run; :func:`trust_of` says what is what."""
+    """Doubts and numbers of the verdict on a run; arguments as of :func:`trust_of`."""
     single = {name: float(field) for name, field in state.items() if field.ndim == 0}
     units = [unit for part in rows for _, unit in part]
     lengths = [layout.length if unit == "m" else 1.0 for unit in units]

@@ -126,7 +126,7 @@ class _Analysis:
                 path.division += (run.first - path.division) // made * made
 
     def _write(self, division: int, x_dot: Array, x_ddot: Array) -> None:
-        """Write what is wanted of the position into the next row."""
+        """Write the results that are wanted of the position into the next row."""
         run, rows, row, path = self.run, self.rows, self.rows.done, self.path
         equations = path.newton.equations
         equations.place(path.position)
