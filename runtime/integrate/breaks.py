@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from .crossing import Search
 
 #: A step that leads over a jump begins at this part of the longest step before it, in units of the
-#: tolerance: what its stages on both sides leave is that much less than may be.
+#: tolerance: errors of its stages on both sides are that much below the tolerance.
 NEAR = 1e-6
 
 
@@ -50,10 +50,10 @@ def find_breaks(search: Search) -> None:
         search.breaks[n] = last
 
 
-def size_ahead(k: int, way: float, search: Search) -> float:
-    """Size of a function so far ahead of the start of a step at its first rates."""
-    state, w, time = search.state, search.work.w, search.start + way
-    read = read_of(time, state.y + way * state.f, w)
+def size_ahead(k: int, span: float, search: Search) -> float:
+    """Size of a function at a span [s] ahead of the start of a step at its first rates."""
+    state, w, time = search.state, search.work.w, search.start + span
+    read = read_of(time, state.y + span * state.f, w)
     return abs(float(middle(evaluate_node(read, np.zeros_like(read), time, w))[k]))
 
 
@@ -62,10 +62,10 @@ def is_ahead(k: int, place: float, search: Search) -> bool:
 
     Stages behind jumps throw its polynomial off: it may have places there that are none.
     """
-    way, early = place - search.start, EARLY * search.h
-    if search.least_part == 0.0 or not way < early:
+    to_place, early = place - search.start, EARLY * search.h
+    if search.least_part == 0.0 or not to_place < early:
         return True
-    before, there, beyond = (size_ahead(k, part, search) for part in (0.0, way, early))
+    before, there, beyond = (size_ahead(k, span, search) for span in (0.0, to_place, early))
     return there <= larger(FALLEN_PART * before, THERE * beyond)
 
 
@@ -84,32 +84,32 @@ def is_pushed_back(k: int, place: float, search: Search) -> bool:
     for n in range(1, m.stages + 1):
         time = search.start + m.c[n] * search.h
         combine(n, m.a[n], state.y, search.h, work.k, work.scratch)
-        own = read_of(time, work.scratch, work.w)
-        if side_at(evaluate_node(own, search.rounding, time, work.w))[k] != -side:
+        at_stage = read_of(time, work.scratch, work.w)
+        if side_at(evaluate_node(at_stage, search.rounding, time, work.w))[k] != -side:
             continue
-        following = read_of(time + soon, work.scratch + soon * work.k[n], work.w)
+        behind_stage = read_of(time + soon, work.scratch + soon * work.k[n], work.w)
         read = read_at(place, search)
-        there = float(middle(evaluate_node(read, exact, place, work.w))[k])
+        value = float(middle(evaluate_node(read, exact, place, work.w))[k])
         read[:, 0] += soon * read[:, 1]
-        read[:, 1] += following[:, 1] - own[:, 1]
+        read[:, 1] += behind_stage[:, 1] - at_stage[:, 1]
         return (
-            side * (float(middle(evaluate_node(read, exact, place + soon, work.w))[k]) - there)
+            side * (float(middle(evaluate_node(read, exact, place + soon, work.w))[k]) - value)
             > 0.0
         )
     return False
 
 
 def first_break(search: Search) -> int:
-    """First jump in a step, as a number of those, their count where there is none."""
-    found = int(np.argmin(search.breaks))
-    return found if search.breaks[found] < math.inf else len(search.breaks)
+    """Index of the first jump in a step, the count of jumps where there is none."""
+    first = int(np.argmin(search.breaks))
+    return first if search.breaks[first] < math.inf else len(search.breaks)
 
 
 def break_end(end: float, seen: float, search: Search, *, is_leading: bool) -> float:
     """Time [s] at which a step to an end, or to a crossing in it, must end by the first jump.
 
-    That is the end where it leads over the jump, as it is made to, and what is seen where no jump
-    is, or an event is nearer. One that is too wide for its error is made narrower.
+    It is the end where the step is made to lead over the jump, and does, and the time that is seen
+    where no jump is, or an event is nearer. One that is too wide for its error is made narrower.
     """
     find_breaks(search)
     first = first_break(search)
@@ -129,14 +129,14 @@ def break_end(end: float, seen: float, search: Search, *, is_leading: bool) -> f
     if not is_over:
         part = search.slack / search.h
         near = larger(NEAR * part * larger(search.state.stride, search.h), near)
-    found = cut_beside(place, near, search)
-    return found if found < seen else seen
+    cut = cut_beside(place, near, search)
+    return cut if cut < seen else seen
 
 
-def broken_in(found: float, search: Search) -> float:
+def broken_in(cut: float, search: Search) -> float:
     """Time [s] at which a step is cut for jumps: those over which it leads cross there."""
     search.place = search.breaks[first_break(search)]
-    search.is_over = search.place < found
-    cut_for_place(found, found, search)
-    search.crosses[search.work.scene.breaks] = search.breaks < found
-    return found
+    search.is_over = search.place < cut
+    cut_for_place(cut, cut, search)
+    search.crosses[search.work.scene.breaks] = search.breaks < cut
+    return cut

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 #: A step that was cut leads over such a place where this part of it is behind.
 BEHIND = 0.3
-#: Places within this part of a trial that is not kept must lie where its first rates lead: what is
-#: zero there has fallen to this part of what it was, or is that part of the one to which they lead.
+#: Places within the first part of a trial that is not kept must be such along its first rates, too:
+#: values fall there to the second part of the first one, or to the third of that at its end.
 EARLY = 0.1
 FALLEN_PART = 0.3
 THERE = 1e-3
@@ -33,13 +33,13 @@ def leads_over(end: float, search: Search) -> bool:
 
 
 def cut_beside(place: float, near: float, search: Search) -> float:
-    """Time [s] at which a step is cut for a place: before it, or behind it if that is no way."""
-    way = place - search.start
-    return place - larger(near, SMALL * way) if way > 2.0 * near else place + near
+    """Time [s] at which a step is cut for a place: before it, or behind it if that is too near."""
+    span = place - search.start
+    return place - larger(near, SMALL * span) if span > 2.0 * near else place + near
 
 
 def cut_for_place(end: float, seen: float, search: Search) -> float:
-    """Time [s] at which a step is cut for places; what was seen, noted, after many cuts."""
+    """Time [s] at which a step is cut for places; after many cuts the time seen, which is noted."""
     search.place_cuts += 1
     if search.place_cuts > MOST_PLACE_CUTS:
         search.is_unresolved = True

@@ -24,13 +24,12 @@ if TYPE_CHECKING:
     from .crossing import Search
     from .scene_tables import Workspace
 
-#: Distances that have fallen beside the largest at the ends and in the middle of a step, as cubics
-#: over its halves tell, are looked at; those that do so to this part in the polynomial reverse a
-#: force within the step, and those in formulas to this one: bounds tell how these vary, but for
-#: what places are known to.
+#: A distance is looked at where cubics over the halves of a step fall far below its largest value
+#: at ends and middle. It reverses a force within the step where it falls to the first part in the
+#: polynomial, one in formulas to the second: bounds tell how these vary, but for errors of places.
 REVERSAL_PART = 0.0625
 BOUNDED_REVERSAL_PART = 1e-2
-#: Rates of squares are told by their difference over this part of a step, 2⁻²⁰.
+#: Rates of squares are their differences over this part of a step, 2⁻²⁰.
 DIFFERENCE = 9.5367431640625e-7
 #: The node in the middle of a step: each lies twice as far from its start as the one before it, the
 #: first at that difference.
@@ -60,17 +59,17 @@ def distances_at(time: float, search: Search) -> Array:
 
 
 def dip_between(first: float, slope: float, last: float, rise: float) -> float:
-    """Least value inside of a cubic of these values and slopes at 0 and 1, infinite if none is."""
-    way = last - first
-    quadratic, cubic = 3.0 * way - 2.0 * slope - rise, slope + rise - 2.0 * way
+    """Minimum inside of a cubic of these values and slopes at 0 and 1, infinite if it has none."""
+    change = last - first
+    quadratic, cubic = 3.0 * change - 2.0 * slope - rise, slope + rise - 2.0 * change
     inner = quadratic * quadratic - 3.0 * cubic * slope
     root = quadratic + math.sqrt(larger(inner, 0.0))
     if inner < 0.0 or root == 0.0:
         return math.inf
-    place = -slope / root
-    if not 0.0 <= place <= 1.0:
+    part = -slope / root
+    if not 0.0 <= part <= 1.0:
         return math.inf
-    return first + place * (slope + place * (quadratic + place * cubic))
+    return first + part * (slope + part * (quadratic + part * cubic))
 
 
 def largest_of(nodes: Array) -> float:
@@ -102,7 +101,7 @@ def falls_in(half: int, nodes: Array) -> bool:
 def may_reverse(h: float, y: Array, f: Array, search: Search) -> bool:
     """Whether a distance may fall in a step of h [s] from the state to y (ny,), f = ẏ (ny,) there.
 
-    A cubic polynomial tells what is in it.
+    By squares of distances along the cubic polynomial between both.
     """
     state, nodes = search.state, []
     for part in NODES:
@@ -110,11 +109,11 @@ def may_reverse(h: float, y: Array, f: Array, search: Search) -> bool:
         curve = h * part * rest
         there = (1.0 - along) * state.y + along * y + curve * (rest * state.f - part * f)
         nodes.append(distances_of(state.time + part * h, there, search.work.w))
-    return any(falls_in(half, own) for own in np.array(nodes).T for half in range(2))
+    return any(falls_in(half, squares) for squares in np.array(nodes).T for half in range(2))
 
 
 def node_of(number: int) -> float:
-    """Part of a step at a node of those among which a distance is looked for.
+    """Part of a step at a node of the search for minima of a distance.
 
     They lie the closer the nearer they are to its ends: a step that was cut begins right before a
     place.
@@ -145,7 +144,7 @@ def nearest_time(k: int, first: float, last: float, search: Search) -> float:
 
 
 def no_way(search: Search) -> float:
-    """Time [s] of a step that is no way: bounds tell nothing of it, and rounding little."""
+    """Length [s] of a step that counts as none: bounds tell nothing of it, and rounding little."""
     tiny = ONWARD * SMALLEST * larger(abs(search.start), abs(search.start + search.h))
     return larger(FINEST * search.h, 2.0 * tiny)
 
@@ -158,23 +157,23 @@ def cut_end(k: int, time: float, nodes: Array, end: float, search: Search) -> fl
     """
     tiny = ONWARD * SMALLEST * larger(abs(search.start), abs(end))
     before, far = float(nodes[0]), largest_of(nodes)
-    way, least = time - search.start, float(distances_at(time, search)[k])
-    nothing = no_way(search)
+    span, least = time - search.start, float(distances_at(time, search)[k])
+    negligible = no_way(search)
     part = REVERSAL_PART if k < search.work.scene.size("lengths") else BOUNDED_REVERSAL_PART
     if not (far > 0.0 and least < part * part * far and end - time > tiny):
         return math.inf
-    if not way > tiny and not search.h * math.sqrt(larger(before / far, 0.0)) < 0.5 * nothing:
+    if not span > tiny and not search.h * math.sqrt(larger(before / far, 0.0)) < 0.5 * negligible:
         return math.inf  # it starts behind the place
     if leads_over(end, search) and end - time > BEHIND * search.h:
         return math.inf  # it is made to lead over the place, and does
     farthest = 0.0 if before == far else 0.5 if float(nodes[2]) == far else 1.0
-    from_there = abs(way - farthest * search.h)
+    from_there = abs(span - farthest * search.h)
     near = AROUND * from_there * math.sqrt(larger(least / (far - least), 0.0))
-    return cut_beside(time, larger(nothing, near), search)
+    return cut_beside(time, larger(negligible, near), search)
 
 
 def first_reversal(k: int, nodes: Array, end: float, search: Search) -> tuple[float, float]:
-    """Time [s] at which a step must end by the first such place of a distance, and that [s].
+    """Time [s] at which a step must end by the first reversal of a distance, and its place [s].
 
     Nodes (6,) [m²] are its squares at :data:`NODES`.
     """
@@ -185,9 +184,9 @@ def first_reversal(k: int, nodes: Array, end: float, search: Search) -> tuple[fl
         beyond = float(distances_at(following, search)[k])
         if there <= before and there < beyond:
             place = nearest_time(k, earlier, following, search)
-            found = cut_end(k, place, nodes, end, search)
-            if found < math.inf:
-                return found, place
+            cut = cut_end(k, place, nodes, end, search)
+            if cut < math.inf:
+                return cut, place
         earlier, time, before, there = time, following, there, beyond
     return math.inf, math.inf
 
@@ -198,26 +197,26 @@ def is_on_the_way(k: int, place: float, before: float, search: Search) -> bool:
     Stages that meet a force which the others pass by throw its polynomial off: it then has places
     that are none, also right at its start, and again wherever the trial is made again.
     """
-    state, way, early = search.state, place - search.start, EARLY * search.h
-    if search.is_kept or not way < early:
+    state, to_place, early = search.state, place - search.start, EARLY * search.h
+    if search.is_kept or not to_place < early:
         return True
     there, beyond = (
-        float(distances_of(search.start + part, state.y + part * state.f, search.work.w)[k])
-        for part in (way, early)
+        float(distances_of(search.start + span, state.y + span * state.f, search.work.w)[k])
+        for span in (to_place, early)
     )
     return there <= larger(FALLEN_PART * FALLEN_PART * before, THERE * THERE * beyond)
 
 
 def reversal_end(end: float, search: Search) -> float:
     """Time [s] at which a step to an end must end by all distances, infinite where it need not."""
-    found = place = math.inf
+    first_cut = place = math.inf
     nodes = np.array([distances_at(search.start + part * search.h, search) for part in NODES])
-    for k, own in enumerate(nodes.T):
-        if falls_in(0, own) or falls_in(1, own):
-            cut, nearest = first_reversal(k, own, end, search)
-            if cut < found and is_on_the_way(k, nearest, float(own[0]), search):
-                found, place = cut, nearest
-    if found < end:
+    for k, squares in enumerate(nodes.T):
+        if falls_in(0, squares) or falls_in(1, squares):
+            cut, nearest = first_reversal(k, squares, end, search)
+            if cut < first_cut and is_on_the_way(k, nearest, float(squares[0]), search):
+                first_cut, place = cut, nearest
+    if first_cut < end:
         search.place = place
-        search.is_over = found - search.start < OVER_PLACE * no_way(search)
-    return found
+        search.is_over = first_cut - search.start < OVER_PLACE * no_way(search)
+    return first_cut

@@ -57,11 +57,11 @@ if TYPE_CHECKING:
     from .settings import Settings
     from .state import State
 
-#: What a prediction may miss: a part of the way of a step, and what always may.
+#: Error that a prediction may have: a part of the motion of a step, and what is always negligible.
 PREDICTION_ERROR_PART = 0.02
 NEGLIGIBLE_PREDICTION_ERROR = 1e-9
-#: The part of the way of a step that velocities may not explain, and what always may: a driver
-#: jumps.
+#: The part of the motion of a step that velocities may not explain, and what always is no jump of a
+#: driver.
 UNEXPLAINED_MOTION_PART = 1e-3
 SMALLEST_JUMP = 1e-6
 #: Ratios that tell branches may grow or shrink by so much in each half of a step: beside a singular
@@ -93,15 +93,14 @@ SURE_WORK_ERROR = 1e-3
 RULE_TRIAL_STEPS = 64.0
 #: Energies are rounding below that part of them.
 ENERGY_ROUNDING = 1e-13
-#: What a rule left counts from step to step by this part: at a turning point of the rate it is
+#: The error of a rule counts in the next step by this part: at a turning point of the rate it is
 #: small.
 ERROR_DECAY = 0.5
 #: A node of Lobatto's rule of five, a part of a step: (1 - sqrt(3/7)) / 2.
 LOBATTO_NODE = 0.17267316464601143
-#: Its error goes with the cube of what it changes, over the square of what Simpson's rule does: so
-#: it is twice that of a sine. Where even powers of time change nothing by chance, odd ones do:
-#: where its nodes in the half of a step around the middle are, the square of what a cubic
-#: polynomial is off a straight line there, and what that counts.
+#: Its error goes with the cube of its correction, over the square of Simpson's, times the first
+#: part: twice that of a sine. Where even powers of time correct nothing by chance, odd ones do: the
+#: place s of its inner nodes, from the middle in half steps, the square of s - s³, and the weight.
 EVEN_ERROR_PART = 0.2
 ODD_PLACE = 0.6546536707079772
 ODD_PART = 0.14
@@ -169,12 +168,12 @@ def roughness(
         return math.inf
     scene, size_of = work.scene, work.w.size_of
     nq = scene.nq
-    way = work.w.way_of(h, start.y, to.y)
+    travel = work.w.way_of(h, start.y, to.y)
     change = h * (to.y[nq:] - start.y[nq:] - 0.5 * h * (start.f[nq:] + to.f[nq:]))
-    known = larger(
-        larger(NEGLIGIBLE_PREDICTION_ERROR, blur_of(work, state)), PREDICTION_ERROR_PART * way
+    allowed = larger(
+        larger(NEGLIGIBLE_PREDICTION_ERROR, blur_of(work, state)), PREDICTION_ERROR_PART * travel
     )
-    rough = larger(drift, size_of(change)) / known
+    rough = larger(drift, size_of(change)) / allowed
     if scene.fits:  # no prediction tells how far drivers turn
         counted = slice(*scene.counted)
         turn = float(np.max(np.abs(to.y[counted] - start.y[counted]), initial=0.0)) / MOST_TURN
@@ -191,14 +190,14 @@ def is_explained(h: float, start: Position, half: Position, last: Position, work
     scene, size_of = work.scene, work.w.size_of
     nq = scene.nq
     rates = start.f[:nq] + 4.0 * half.f[:nq] + last.f[:nq]
-    left = last.y[:nq] - start.y[:nq] - h / 3.0 * rates
+    unexplained = last.y[:nq] - start.y[:nq] - h / 3.0 * rates
     fastest = larger(larger(size_of(start.y[nq:]), size_of(half.y[nq:])), size_of(last.y[nq:]))
-    miss = float(np.max(np.abs(left) / scene.floors))
+    miss = float(np.max(np.abs(unexplained) / scene.floors))
     return miss <= larger(SMALLEST_JUMP, UNEXPLAINED_MOTION_PART * 2.0 * h * fastest)
 
 
 def signed_ratio(work: Work, state: State) -> float:
-    """Ratio that tells branches, negative where all rows are solved for: another number."""
+    """Ratio that tells branches, negative where all rows are solved for, whose ratio is another."""
     ratio = branch_ratio(work, state)
     return -ratio if work.all is not None and work.all.is_on else ratio
 
@@ -214,16 +213,16 @@ def may_leap(
     """
     low, high = smaller(abs(before), abs(after)), larger(abs(before), abs(after))
     is_near = high > MOST_GROWTH * low and (before < 0.0) == (after < 0.0)
-    way = h * work.w.size_of(last.y[work.scene.nq :])
-    if is_near and not way > FINEST_WAY:
+    travel = h * work.w.size_of(last.y[work.scene.nq :])
+    if is_near and not travel > FINEST_WAY:
         state.is_near = 1.0
-    is_long = way > LONGEST_WAY and low < LEVEL_RATIO_PART * high and work.scene.has_refinement
-    return is_long or (is_near and way > FINEST_WAY)
+    is_long = travel > LONGEST_WAY and low < LEVEL_RATIO_PART * high and work.scene.has_refinement
+    return is_long or (is_near and travel > FINEST_WAY)
 
 
-def position_at(place: int, work: Work) -> Position:
-    """Room of a position of a step: of its middle, its end, two between."""
-    return Position(work.k[2 * place], work.k[2 * place + 1])
+def position_at(slot: int, work: Work) -> Position:
+    """Room of a position of a step: 0 of its middle, 1 of its end, 2 and 3 of two between."""
+    return Position(work.k[2 * slot], work.k[2 * slot + 1])
 
 
 def reach(
@@ -251,31 +250,31 @@ def reach(
     """
     start, half, last = Position(state.y, state.f), position_at(0, work), position_at(1, work)
     h, is_leap = end - state.time, len(parts) == 1
-    gone, before, ratio = 0.0, start, state.position_ratio
+    passed, before, ratio = 0.0, start, state.position_ratio
     drift, rough = 0.0, 0.0
     forget_trials(work)
     state.is_near = 1.0 if is_leap else 0.0  # a leap goes over such a place
-    for x, place in parts:
-        way, to = (x - gone) * h, position_at(place, work)
+    for x, slot in parts:
+        span, to = (x - passed) * h, position_at(slot, work)
         time = end if x == 1.0 else state.time + x * h
-        first = predict_and_correct(time, way, before, to, work, state)
-        rough = larger(roughness(way, first, before, to, work, state), rough)
+        first = predict_and_correct(time, span, before, to, work, state)
+        rough = larger(roughness(span, first, before, to, work, state), rough)
         if not rough <= 1.0:
             return -1.0, rough
         if x < 1.0 and pivot_ratio(work, state) < weak * state.largest_pivot_ratio:
             return -1.0, rough
-        there = signed_ratio(work, state)
-        if not is_leap and may_leap(way, ratio, there, to, state, work):
+        ratio_there = signed_ratio(work, state)
+        if not is_leap and may_leap(span, ratio, ratio_there, to, state, work):
             return -1.0, rough
-        gone, before, ratio, drift = x, to, there, larger(first, drift)
+        passed, before, ratio, drift = x, to, ratio_there, larger(first, drift)
     if work.scene.fits and not is_leap and not is_explained(0.5 * h, start, half, last, work):
         return -1.0, rough
-    done = slice(work.scene.nq - work.scene.works, work.scene.nq)
+    works = slice(work.scene.nq - work.scene.works, work.scene.nq)
     if is_leap:
-        last.y[done] = start.y[done] + h / 2.0 * (start.f[done] + last.f[done])
+        last.y[works] = start.y[works] + h / 2.0 * (start.f[works] + last.f[works])
     else:
-        rates = start.f[done] + 4.0 * half.f[done] + last.f[done]
-        last.y[done] = start.y[done] + h / 6.0 * rates
+        rates = start.f[works] + 4.0 * half.f[works] + last.f[works]
+        last.y[works] = start.y[works] + h / 6.0 * rates
     return drift, rough
 
 
@@ -286,26 +285,26 @@ def branch_at(end: float, state: State, work: Work) -> int:
     last = position_at(1, work)
     first, after = math.sqrt(abs(state.position_ratio)), math.sqrt(branch_ratio(work, state))
     part, h = meeting_part(first, after), end - state.time
-    found = follow_branch(h, last.y, last.f, part, first + after, work, state)
+    branch = follow_branch(h, last.y, last.f, part, first + after, work, state)
     work.w.place(end, last.y)  # its geometry again
     ratio_at(last.y[: work.scene.nq], work, state)
-    return found
+    return branch
 
 
 def find_between(end: float, weak: float, state: State, work: Work) -> bool:
-    """Find the positions of a step to ``end`` [s] in halves at the other nodes.
+    """Find positions at the other nodes of Lobatto's rule, in a step in halves to ``end`` [s].
 
     Returns whether they are found.
     """
     h = end - state.time
     start, half = Position(state.y, state.f), position_at(0, work)
-    for x, place, before, gone in (
+    for x, slot, before, passed in (
         (LOBATTO_NODE, 2, start, 0.0),
         (1.0 - LOBATTO_NODE, 3, half, 0.5),
     ):
-        way, to = (x - gone) * h, position_at(place, work)
-        drift = predict_and_correct(state.time + x * h, way, before, to, work, state)
-        if not roughness(way, drift, before, to, work, state) <= 1.0:
+        span, to = (x - passed) * h, position_at(slot, work)
+        drift = predict_and_correct(state.time + x * h, span, before, to, work, state)
+        if not roughness(span, drift, before, to, work, state) <= 1.0:
             return False
         if pivot_ratio(work, state) < weak * state.largest_pivot_ratio:
             return False
@@ -335,14 +334,14 @@ def unbalanced(s: Settings, h: float, state: State, work: Work) -> float:
     scene, w, end = work.scene, work.w, position_at(1, work).y
     if w.way_of(h, state.y, end) <= FINEST_WAY:
         return 0.0
-    done = slice(scene.nq - scene.works, scene.nq)
-    left = abs(energy_balance(end, work, state) - state.balance)
-    most = float(np.max(np.maximum(np.abs(state.y[done]), np.abs(end[done]))))
-    size = moving_energy(h, state, work) + most
-    known = ENERGY_ROUNDING * larger(abs(w.energies[1]), abs(state.energy))
+    works = slice(scene.nq - scene.works, scene.nq)
+    unexplained = abs(energy_balance(end, work, state) - state.balance)
+    largest_work = float(np.max(np.maximum(np.abs(state.y[works]), np.abs(end[works]))))
+    size = moving_energy(h, state, work) + largest_work
+    energy_rounding = ENERGY_ROUNDING * larger(abs(w.energies[1]), abs(state.energy))
     # velocities are known to as much of the way to another branch as positions are
     blur, rounding = blur_of(work, state), scale_by_distance(state.y, scene) * BRANCH_ROUNDING
-    return left / ((s.tolerance + blur * blur / rounding) * size + known)
+    return unexplained / ((s.tolerance + blur * blur / rounding) * size + energy_rounding)
 
 
 def sum_works(
@@ -366,15 +365,15 @@ def sum_works(
     scene, h = work.scene, end - state.time
     if scene.works == 0:
         return 0.0, True
-    done = slice(scene.nq - scene.works, scene.nq)
-    rate, half, f = state.f[done], position_at(0, work).f[done], position_at(1, work).f[done]
-    before, after = np.abs(state.y[done]), np.abs(position_at(1, work).y[done])
+    works = slice(scene.nq - scene.works, scene.nq)
+    rate, half, f = state.f[works], position_at(0, work).f[works], position_at(1, work).f[works]
+    before, after = np.abs(state.y[works]), np.abs(position_at(1, work).y[works])
     sizes = least_size_of_works(h, state, work) + np.maximum(before, after)
-    left = (2.0 * half - rate - f) / 6.0
-    way = np.abs(rate) + 2.0 * np.abs(half) + np.abs(f)
-    relative = left / np.where(way > 0.0, way, 1.0)
-    most = larger(float(np.max(0.5 * h * left * relative / sizes)), 0.0)
-    error = state.simpson = larger(most / s.tolerance, ERROR_DECAY * state.simpson)
+    difference = (2.0 * half - rate - f) / 6.0
+    scale = np.abs(rate) + 2.0 * np.abs(half) + np.abs(f)
+    relative = difference / np.where(scale > 0.0, scale, 1.0)
+    simpson_error = larger(float(np.max(0.5 * h * difference * relative / sizes)), 0.0)
+    error = state.simpson = larger(simpson_error / s.tolerance, ERROR_DECAY * state.simpson)
     if not has_nodes:
         if error < SURE_WORK_ERROR and math.fmod(state.steps, RULE_TRIAL_STEPS) != 0.0:
             return error, False
@@ -383,22 +382,22 @@ def sum_works(
         ratio_at(position_at(1, work).y[: scene.nq], work, state)
         if not has_nodes:
             return error, False
-    one, other = (position_at(place, work).f[done] for place in (2, 3))
+    early, late = (position_at(slot, work).f[works] for slot in (2, 3))
     ends = 0.5 * (rate + f)
-    more = 49.0 / 90.0 * h * (0.5 * (one + other) - half - 3.0 / 7.0 * (ends - half))
+    fine = 49.0 / 90.0 * h * (0.5 * (early + late) - half - 3.0 / 7.0 * (ends - half))
     if error < SURE_WORK_ERROR:
         untold = smaller(state.untold, RULE_TRIAL_STEPS * h)
-        state.work_error += float(np.max(np.abs(more))) / h * untold
+        state.work_error += float(np.max(np.abs(fine))) / h * untold
         state.untold = 0.0
     coarse = h * (ends - half) / 3.0
-    square = more * more + coarse * coarse
-    even_left = EVEN_ERROR_PART * np.abs(more) * (more * more / np.where(square > 0.0, square, 1.0))
+    square = fine * fine + coarse * coarse
+    even_left = EVEN_ERROR_PART * np.abs(fine) * (fine * fine / np.where(square > 0.0, square, 1.0))
     slope = 0.5 * (f - rate)
-    odd = 0.5 * (other - one) - ODD_PLACE * slope
+    odd = 0.5 * (late - early) - ODD_PLACE * slope
     square = odd * odd + slope * slope * ODD_PART
     odd_left = ODD_ERROR_PART * h * np.abs(odd) * (odd * odd / np.where(square > 0.0, square, 1.0))
-    position_at(1, work).y[done] += more
-    state.simpson = larger(float(np.max(np.abs(more) / sizes)) / s.tolerance, state.simpson)
+    position_at(1, work).y[works] += fine
+    state.simpson = larger(float(np.max(np.abs(fine) / sizes)) / s.tolerance, state.simpson)
     estimated = larger(float(np.max(even_left / sizes)), float(np.max(odd_left / sizes)))
     return larger(estimated / s.tolerance, ERROR_DECAY * state.error), True
 
@@ -411,7 +410,7 @@ def estimate_works(
     work: Work,
     parts: Sequence[tuple[float, int]],
 ) -> WorkEstimate:
-    """Sum the works of a step better unless it leaps, and tell what its energy says of them."""
+    """Sum the works of a step better unless it leaps, and estimate their error, by energy, too."""
     scene, last = work.scene, position_at(1, work)
     error, is_estimated = 0.0, False
     check_misses(s, work)
@@ -501,8 +500,8 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
     tells_works = "energies" in work.scene.parts or bool(s.checks)  # in rows, or the ledger
     while True:
         is_last = state.time + STRETCH_TO_END * longest >= asked
-        whole = asked - state.time if is_last else longest
-        end = asked if is_last and part == 1.0 else state.time + part * whole
+        length = asked - state.time if is_last else longest
+        end = asked if is_last and part == 1.0 else state.time + part * length
         if not end - state.time > SMALLEST * larger(abs(state.time), abs(asked)):
             return Status.STEP_TOO_SMALL
         has_nodes = tells_works and state.simpson >= SURE_WORK_ERROR
@@ -528,7 +527,7 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
             part = 1.25 if part == 0.5 else part - 0.25 if part <= 1.0 else 1.25 * part
         elif not is_fit or is_leap:
             state.rejected += 1
-            longest = (1.0 if is_leap else factor if part <= 1.0 else 0.5) * whole
+            longest = (1.0 if is_leap else factor if part <= 1.0 else 0.5) * length
             part, is_deep = 1.0, is_deep or is_leap
         else:
             seen = watched_end(s, end, part, search) if work.scene.has_functions else end
@@ -538,7 +537,7 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
             if not seen < end:
                 break
             asked = seen if seen == search.cut else asked
-            longest, part = larger(seen, state.time + FINEST * whole) - state.time, 1.0
+            longest, part = larger(seen, state.time + FINEST * length) - state.time, 1.0
     if work.scene.has_functions:
         note_crossings(end, search)
         if search.is_unresolved:
@@ -548,7 +547,7 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
     state.drift = larger(state.drift, drift)
     note_moved(s, works.moved, state)
     state.untold += 0.0 if works.is_estimated else end - state.time
-    state.step_size = larger(state.step_size if is_last else 0.0, factor * whole)
+    state.step_size = larger(state.step_size if is_last else 0.0, factor * length)
     state.error = error if works.is_estimated else 0.0
     state.balance = works.balance
     accept_position(s, end, asked, state, work)

@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
     from .arithmetic import Array
 
-#: What rows hold that is a smaller part of the most is not told with it.
+#: Rows that hold a smaller part of the most are not named with it.
 LEAST_SHOWN_SHARE = 1e-3
-#: What rows hold that is less is told as nothing.
+#: Less than this is shown as nothing.
 ROUNDING_OF_DEPENDENCE = 1e-12
 #: Joints that a text names.
 SHOWN = 3
@@ -34,7 +34,7 @@ def nearly_dependent(
     Parameters
     ----------
     name : str
-        What is so: the scene, and its parameters.
+        What the message is on: the scene, and its parameters.
     rows : sequence of (str, str)
         Joint and unit of each row that is checked.
     places : mapping of str to (int, int)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from .scene_tables import SceneTables, Work
     from .state import State
 
-#: What is left of rows that depend on others to rounding.
+#: Remainder of rows that depend on others but for rounding.
 HARDLY = 1e-11
 #: A body whose arms are a smaller part of the longest has none.
 NO_ARM = 1e-9
@@ -32,7 +32,7 @@ NOT_LEFT = 5e-4
 
 
 class Rank:
-    """The rows that are looked at, scaled.
+    """Scaled rows whose rank is determined.
 
     Parameters
     ----------
@@ -64,8 +64,8 @@ def write_scaled_rows(rank: Rank, work: Work) -> None:
     by[:] = 0.0
     in_lengths = np.abs(rank.rows[rank.are_lengths])
     for _, first, count in scene.turns.tolist():
-        own = slice(first, first + (3 if count == 4 else 1))
-        by[own] = in_lengths[:, own].max(initial=0.0)
+        columns = slice(first, first + (3 if count == 4 else 1))
+        by[columns] = in_lengths[:, columns].max(initial=0.0)
     longest = float(by.max(initial=0.0))
     by[:] = np.where(by > NO_ARM * longest, by, longest)
     by[:] = np.where(rank.moves | (longest == 0.0), 1.0, 1.0 / by)
@@ -95,9 +95,9 @@ def rate_of_row(rank: Rank) -> tuple[Array, Array]:
 def rank_here(rank: Rank, work: Work) -> int:
     """Number of rows that are independent beyond doubt at the geometry in the workspace.
 
-    They become a basis, and their rates negative; those of the others are what they miss.
+    They become a basis, and their rates negative; those of the others are their misses.
     """
-    limit, found = CLEARLY * work.scene.closure_tolerance, 0
+    limit, count = CLEARLY * work.scene.closure_tolerance, 0
     write_scaled_rows(rank, work)
     rank.rates[:] = 0.0
     while True:
@@ -107,21 +107,21 @@ def rank_here(rank: Rank, work: Work) -> int:
         squares = np.where(others, squares, 0.0)
         size = float(np.sqrt(squares.max()))
         if not (size > HARDLY and (size > limit or rank.rates.max() > limit)):
-            return found
+            return count
         best = int(np.argmax(squares))
         rank.rates[best] = -1.0
         others[best] = False
         basis = rank.rows[best]
         basis /= size
-        parts = np.zeros(len(rank.rows))
+        projections = np.zeros(len(rank.rows))
         for k in range(len(basis)):
-            parts += rank.rows[:, k] * basis[k]
-        rank.rows[others] -= np.outer(parts[others], basis)
-        found += 1
+            projections += rank.rows[:, k] * basis[k]
+        rank.rows[others] -= np.outer(projections[others], basis)
+        count += 1
 
 
 def is_regular_beside(wanted: int, rank: Rank, state: State, work: Work) -> bool:
-    """Whether as many rows are independent beside the start, a singular configuration."""
+    """Whether the wanted number of rows is independent beside the start, which is singular."""
     y, nq = work.k[0], work.scene.nq
     for back in range(2):
         y[:] = state.y
@@ -148,17 +148,17 @@ def is_regular_beside(wanted: int, rank: Rank, state: State, work: Work) -> bool
 def keep_rank(state: State, work: Work) -> bool:
     """Whether rows that are independent with the parameters of the scene are so in the run.
 
-    The former is where the scene starts with them. What others miss takes the place of residuals,
-    0 of those that are independent. The state stays as it is.
+    The former rank is that where the scene starts. What other rows miss takes the place of
+    residuals, 0 of those that are independent. The state stays as it is.
     """
     w, y, rank = work.w, work.k[0], Rank(work.scene)
     counts = state.numbers[:SINGLE].copy()
     y[:] = state.y
     if project(state.time, 0.0, y, None, None, work, state) < 0.0:
         return True
-    found = rank_here(rank, work)
+    count = rank_here(rank, work)
     wanted = int((rank.are_left_out == 0).sum())
-    if found < wanted:
+    if count < wanted:
         y[:] = state.y
         set_parameters(state.parameters, 0.0, w)
         follow_design(y, w)
@@ -166,7 +166,7 @@ def keep_rank(state: State, work: Work) -> bool:
             wanted = rank_here(rank, work)
         set_parameters(state.parameters, 1.0, w)
         w.run("setup")
-    is_kept = found >= wanted or is_regular_beside(wanted, rank, state, work)
+    is_kept = count >= wanted or is_regular_beside(wanted, rank, state, work)
     if not is_kept:
         y[:] = state.y
         project(state.time, 0.0, y, None, None, work, state)

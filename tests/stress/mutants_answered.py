@@ -87,7 +87,7 @@ ANSWERS = {
         ),
     },
     "runtime/integrate/kinematics.py": {
-        "'seen, state.time + FINEST * whole' -> 'state.time + FINEST * whole, seen' in": (
+        "'seen, state.time + FINEST * length' -> 'state.time + FINEST * length, seen' in": (
             "the larger of two numbers, whichever is first"
         ),
     },

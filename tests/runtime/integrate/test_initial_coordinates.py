@@ -49,4 +49,4 @@ def test_the_least_motion_of_a_coordinate_is_by_masses(leader: Leader) -> None:
     found = leader.jacobian(np.array([0.1, 0.2, 0.3]))
     np.testing.assert_array_equal(found.J, SLOPES)
     np.testing.assert_allclose(found.free, [[8.0, 0.75, 5.0]], rtol=1e-15)
-    np.testing.assert_array_equal(found.ways, found.free)
+    np.testing.assert_array_equal(found.motions, found.free)

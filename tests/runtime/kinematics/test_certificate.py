@@ -148,7 +148,7 @@ class Step:
         predicted = self.begin.x + self.part * (self.way.x1 + 0.5 * self.part * self.way.x2)
         self.evaluate(self.end)
         none = np.zeros_like(self.pace)
-        return self.way._way(self.part, self.pace, none, self.end.x - predicted)
+        return self.way._tube(self.part, self.pace, none, self.end.x - predicted)
 
     def evaluate(self, position: LinkageCoordinates) -> None:
         """Have the factors of a position at hand."""
