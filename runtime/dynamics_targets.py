@@ -34,7 +34,7 @@ class Memory:
     Parameters
     ----------
     state : array
-        All that lasts from call to call.
+        Numbers that last from call to call.
     work : array
         Memory for work.
     """
@@ -109,7 +109,7 @@ _TYPES: dict[type, type[ctypes.c_double | ctypes.c_int]] = {
 }
 
 
-#: What begins where an array does.
+#: Empty type, to take the address of an array.
 _NOTHING = ctypes.c_char * 0
 
 
@@ -239,9 +239,9 @@ class NumpySolver:
         is one from which a run goes on.
         """
         before = memory.state.copy()
-        given = (settings, times, max_steps, memory.state, memory.work, rows)
+        arguments = (settings, times, max_steps, memory.state, memory.work, rows)
         try:
-            status, _ = self.solver.run(*given)
+            status, _ = self.solver.run(*arguments)
         except BaseException:
             memory.state[:] = before
             raise

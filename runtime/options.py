@@ -158,13 +158,13 @@ def options_of(
         An option is not possible.
     """
     require_steps(solver.name, tolerance, step, largest_step, most_steps)
-    for option, given in (
+    for option, flag in (
         ("checks", checks),
         ("strict", strict),
         ("estimate_error", estimate_error),
     ):
-        if not isinstance(given, bool | np.bool_):
-            raise SolveError(f"{solver.name}: {option} {shown(given)}; wanted True or False")
+        if not isinstance(flag, bool | np.bool_):
+            raise SolveError(f"{solver.name}: {option} {shown(flag)}; wanted True or False")
     step = None if step is None else float(step)
     name = method_for(tolerance, is_driven=solver.is_driven) if method is None else method
     _require_method(solver, name, step)
@@ -185,7 +185,7 @@ def is_given_anew(solver: DynamicsSolver, values: tuple[tuple[str, float], ...])
 def require_unmoved(solver: DynamicsSolver) -> None:
     """Refuse a start that assembly changed."""
     if solver.moved:
-        changed = "; ".join(f"bodies.{body} by {one}" for body, one in solver.moved.items())
+        changed = "; ".join(f"bodies.{body} by {sizes}" for body, sizes in solver.moved.items())
         raise SolveError(
             f"{solver.name}: assembly changed the start that the scene gives: {changed}; strict"
             " refuses that: give positions and velocities that fit joints and drivers"

@@ -264,7 +264,7 @@ class Run:
         return evaluated(target.evaluate, self._values, target.work_size, self._there.places)
 
     def _gaps(self, y: Array) -> Array:
-        """Residuals of the rows at the state that the start reached, with the parameters of the run.
+        """Residuals of the rows where the start arrived, with the parameters of the run.
 
         On the way there others were tried, of which a small gap was left.
         """

@@ -38,7 +38,7 @@ class SolverCheck(ABC, Generic[Loaded]):
         Its files, compared with the manifest.
     """
 
-    #: That of the reference values.
+    #: Format of the reference values.
     REFERENCE_FORMAT: ClassVar[int]
 
     def __init__(self, sources: Sources) -> None:
@@ -50,7 +50,7 @@ class SolverCheck(ABC, Generic[Loaded]):
 
     @abstractmethod
     def require(self, data: Mapping[str, Any]) -> object:
-        """Look at all that reference values must have; what is missing raises."""
+        """Read all that reference values must have; a missing one raises."""
 
     @abstractmethod
     def rows(self, solver: Loaded, data: Mapping[str, Any]) -> Iterable[Row]:
@@ -116,19 +116,19 @@ def by_each_target(
 
     No compiler is a note, unless C was asked for; none at all is a problem.
     """
-    found = []
+    loaded = []
     targets: tuple[ChosenTarget, ...] = ("c", "numpy")
-    for wanted in targets:
-        if target not in {"auto", wanted}:
+    for choice in targets:
+        if target not in {"auto", choice}:
             continue
         try:
             with silent():
-                found.append(load(wanted))
+                loaded.append(load(choice))
         except (NoCompilerError, TargetError) as error:
-            text = f"{NAMES[wanted]} is not checked: {error}"
+            text = f"{NAMES[choice]} is not checked: {error}"
             (notes if target == "auto" else problems).append(text)
         except LoadError as error:
             problems.append(str(error))
-    if not found and not problems:
+    if not loaded and not problems:
         problems.append("nothing was checked, because nothing could be run")
-    return found
+    return loaded
