@@ -154,12 +154,12 @@ def _parameters(points: Sequence[Mapping[str, Any]]) -> Sequence[float]:
 
 
 def _differences(
-    first: DynamicsSolver, other: DynamicsSolver, values: Sequence[float], *, is_exact: bool
+    base: DynamicsSolver, other: DynamicsSolver, values: Sequence[float], *, is_exact: bool
 ) -> Iterator[str]:
     """Differences between two targets: the first steps of each method, and the rows."""
-    for method in METHOD_NAMES if first.is_driven else RUNGE_KUTTA:
+    for method in METHOD_NAMES if base.is_driven else RUNGE_KUTTA:
         try:
-            runs = [_run(solver, method, values) for solver in (first, other)]
+            runs = [_run(solver, method, values) for solver in (base, other)]
         except SolveError as error:
             yield f"solver, {method}: {error}"
             continue
@@ -170,7 +170,7 @@ def _differences(
         differing = np.flatnonzero(~((np.abs(a - b) <= limit) | (np.isnan(a) & np.isnan(b))))
         if len(differing):
             yield (
-                f"solver, {method}: {NAMES[first.target.name]} and {NAMES[other.target.name]} differ"
+                f"solver, {method}: {NAMES[base.target.name]} and {NAMES[other.target.name]} differ"
                 f" after {STEPS} steps in {len(differing)} of {len(a)} numbers of the run, first at"
                 f" {differing[0]}: {float(a[differing[0]])!r} and {float(b[differing[0]])!r}"
             )
