@@ -25,7 +25,7 @@ from kousoku.model.errors import (
 from kousoku.model.files.cache import cache_folder, shrink, size_limit, touch, write_atomically
 from kousoku.model.files.manifest import MANIFEST_FILE
 from kousoku.own_kinds import own_kinds
-from kousoku.progress import told
+from kousoku.progress import status_line
 from kousoku.runtime.messages import shown
 from kousoku.runtime.solver import load_solver
 
@@ -194,7 +194,7 @@ def opened(given: GivenScene, outputs: Sequence[str] | None, target: Target) -> 
         with cached_solver_folder(given, outputs, anew=is_last) as folder:
             try:
                 text = (folder.parent / SCENE_FILE).read_text(encoding="utf-8")
-                with told() as tell:
+                with status_line() as tell:
                     tell(f"compiling {folder.name}")
                     return load_solver(folder, target=target), text
             except OSError as error:  # somebody cleared the cache: once more
@@ -243,7 +243,7 @@ def cached_solver_folder(
     if folder is not None:
         yield folder
         return
-    with told() as tell, naming(given.file):
+    with status_line() as tell, naming(given.file):
         tell(f"reading {given.file or 'the scene'}")
         scene = given.read()
         text = _text(scene)

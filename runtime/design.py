@@ -93,7 +93,7 @@ def with_parameters(solver: DynamicsSolver, values: Array) -> DynamicsSolver:
     numbers = work[base : base + size]
     if problems := list(design.problems(numbers)):
         listed = "; ".join(dict.fromkeys(problems))
-        raise SolveError(f"{solver.name}: with {told(solver, values)}: {listed}")
+        raise SolveError(f"{solver.name}: with {parameters_text(solver, values)}: {listed}")
     state = np.concatenate([solver.q, solver.v])
     for column, index in design.start:
         state[column] = numbers[index]
@@ -199,11 +199,11 @@ def nearly_redundant(solver: DynamicsSolver, values: Array) -> str:
     memory = Memory(np.zeros(target.state_size), np.zeros(target.work_size))
     if target.starter(0.0, adapted.q, adapted.v, values, memory)() != Status.DEPENDENT:
         return ""
-    name, tolerance = f"with {told(solver, values)}", solver.layout.closure_tolerance
+    name, tolerance = f"with {parameters_text(solver, values)}", solver.layout.closure_tolerance
     return nearly_dependent(name, solver.checked, solver.places, memory.work, tolerance)
 
 
-def told(solver: DynamicsSolver, values: Array) -> str:
+def parameters_text(solver: DynamicsSolver, values: Array) -> str:
     """Parameters and their values (n,) in one line, each in its unit."""
     pairs = zip(solver.parameters, values, strict=True)
     return ", ".join(f"{name} = {value:.6g}" for (name, _), value in pairs)

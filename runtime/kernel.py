@@ -170,8 +170,8 @@ class Kernel:
             return self._masks[outputs]
         except (KeyError, TypeError):  # not seen before, or a list
             key = outputs if isinstance(outputs, str) else tuple(outputs)
-        wanted = self._signature.select(key)
-        self._masks[key] = sum(1 << k for k, is_wanted in enumerate(wanted) if is_wanted)
+        flags = self._signature.select(key)
+        self._masks[key] = sum(1 << k for k, is_wanted in enumerate(flags) if is_wanted)
         return self._masks[key]
 
     def _flags(self, mask: int) -> tuple[bool, ...]:
@@ -203,8 +203,8 @@ class BoundKernel:
         self.inputs = inputs
         self._check_inputs()
         call, self._results = kernel._signature.prepare(inputs, out, kernel._flags(mask))
-        given = iter(self._results)
-        self.out = tuple(None if array is None else next(given) for array in call.out)
+        results = iter(self._results)
+        self.out = tuple(None if array is None else next(results) for array in call.out)
 
     def __call__(self) -> tuple[Floats, ...]:
         """Evaluate and return the outputs asked for, the same arrays every time."""

@@ -67,9 +67,9 @@ class Library:
         try:
             return self.kernels[name]
         except KeyError:
-            known = ", ".join(self.kernels)
+            names = ", ".join(self.kernels)
             raise NotInResultError(
-                f"{self.manifest.package} has no kernel {name!r}; it has {known}"
+                f"{self.manifest.package} has no kernel {name!r}; it has {names}"
             ) from None
 
     def __getattr__(self, name: str) -> Kernel:

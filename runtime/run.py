@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.model.errors import MotionError, SolveError
-from kousoku.runtime.design import loops_that_open, not_closed, told, with_parameters
+from kousoku.runtime.design import loops_that_open, not_closed, parameters_text, with_parameters
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.error_estimate import error_estimate, second_options, second_times
 from kousoku.runtime.integrate.assembled_start import assembled_start
@@ -276,7 +276,7 @@ class Run:
         on_parameters = {Status.NOT_ASSEMBLED, *OF_PARAMETERS}
         if status not in on_parameters or not self.solver.parameters:
             return MESSAGES[status]
-        values = told(self.solver, self._values)
+        values = parameters_text(self.solver, self._values)
         if status == Status.NOT_CLOSED:
             joints = loops_that_open(self.solver, self._values)
             joints = joints or not_closed(self.solver, self._memory.work, 1.0)
