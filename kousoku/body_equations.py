@@ -84,15 +84,15 @@ class CheckedState(NamedTuple):
     Parameters
     ----------
     time : float [s]
-        When.
+        Its time.
     q, v : array
         As the scene is written; Euler parameters of norm one.
     near : dict of str to float [rad]
         Angles within half a turn of which the turns of a state are counted.
     known : frozenset of str
-        Those of them whose turns drivers prescribe, or the caller.
+        Names of angles whose turns drivers prescribe, or the caller.
     parameters : dict of str to float
-        All of them.
+        All parameters of the scene.
     """
 
     time: float
@@ -109,7 +109,7 @@ class EquationsAtState(NamedTuple):
     Parameters
     ----------
     C, nu, gamma : (m,) array
-        Residuals, and what C_q v and C_q v̇ are.
+        Residuals, and the right sides of C_q v = ν and C_q v̇ = γ.
     C_q : (m, n) array
         Jacobian.
     M : (n, n) array

@@ -170,7 +170,7 @@ def _catalog() -> Catalog:
     return Catalog("section", by_name, {})
 
 
-#: What a body may be made of, by the key that holds it, and the record of the schema.
+#: Records of the schema that a body may be made of, by the key that holds them.
 BODIES = {
     "body": "Body",
     "orientation": "Orientation",

@@ -43,9 +43,9 @@ class LinkageRow(NamedTuple):
     Parameters
     ----------
     label, unit : str
-        What it is, and the unit of its residual.
+        Its name, and the unit of its residual.
     C, nu, gamma : float
-        Residual, and what C_q v and C_q v̇ are.
+        Residual, and the right sides of C_q v = ν and C_q v̇ = γ.
     C_q : (n,) array
         Its Jacobian.
     """

@@ -305,7 +305,7 @@ def generated(
 
 
 def _written(shelf: Path, name: str, text: str, tree: Mapping[str, str]) -> Path:
-    """Write a solver and the text of its scene; the text comes last, and says that all is there."""
+    """Write a solver, then the text of its scene: with it the folder is complete."""
     from kousoku.codegen.generate import write_tree
 
     write_tree(shelf / name, tree)
@@ -386,7 +386,7 @@ def _text(scene: Scene) -> str:
 
 
 def _outputs_of(outputs: object) -> list[str]:
-    """Names of outputs as a list; one name alone is meant as a list of it."""
+    """Names of outputs as a list, also of a single name."""
     if isinstance(outputs, str):
         return [outputs]
     if isinstance(outputs, list | tuple) and all(isinstance(name, str) for name in outputs):

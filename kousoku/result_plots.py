@@ -52,7 +52,7 @@ class PlotPanel:
     Parameters
     ----------
     label : str
-        What they are, with their unit.
+        Their quantity and unit.
     curves : mapping of str to (n,) array
         The curves by name.
     size : float
@@ -209,7 +209,7 @@ def _panels(
 
 
 def _curves(result: Result, table: str, owner: str, names: Sequence[str]) -> dict[str, Array]:
-    """Curves of a panel by the part of their names that tells them apart."""
+    """Curves of a panel by the distinctive part of their names."""
     if not owner:
         places = (result.places[name] for name in names)
         labels = [f"{place.owner or place.table}{COORDINATE.get(table, '')}" for place in places]

@@ -35,7 +35,7 @@ OF_LINKAGES = ("name", "unit", "method", "divisions", "target", "is_in_time", "l
 
 
 class FileFormat(msgspec.Struct, kw_only=True):
-    """Format of a file, which it says first.
+    """Format of a file, its first field.
 
     Parameters
     ----------
@@ -56,17 +56,17 @@ class KeptMotion(FileFormat, tag="bodies", kw_only=True):
     layout : Layout
         Columns of a row.
     method, target : str
-        How it was integrated, and what computed.
+        Its method, and the target that computed.
     is_complete : bool
         Whether all times are there.
     parameters : dict of str to float
         Those of the run.
     ledger, figures : str, dict
-        What the ledger says, and its numbers by name.
+        Text of the ledger, and its numbers by name.
     counts : tuple of int
-        How often each event was.
+        Count of each event.
     trust, trust_figures : str, dict
-        What the verdict says, and its numbers by name.
+        Text of the verdict, and its numbers by name.
     """
 
     scene: str
@@ -144,7 +144,7 @@ class KeptFigures:
     Parameters
     ----------
     text : str
-        What it says.
+        Its text.
     figures : mapping
         Its numbers by name, those that are not finite None.
     """

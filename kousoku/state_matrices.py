@@ -66,13 +66,13 @@ class Matrices:
     name : str
         The scene.
     time : float [s]
-        When.
+        Time of the state.
     C : (m,) array
         Residuals of all rows, in the order of :attr:`rows`.
     C_q : (m, n) array
         Jacobian, in the order of :attr:`columns`.
     nu, gamma : (m,) array
-        What C_q v and C_q v̇ are.
+        Right sides of C_q v = ν and C_q v̇ = γ.
     rows : tuple of str
         Joint or driver of each row, kind, and component: those of ``point`` are in frame O, those
         of ``p1`` and ``p2`` in the principal frame of body i.
@@ -85,7 +85,7 @@ class Matrices:
         Rows that depend on the others wherever the scene moves. Of rows that depend on each other
         these can be left out; which of them is a choice.
     unknown : tuple of str
-        Joints in a loop of so many rows that nothing is known of which of theirs are redundant.
+        Joints in a loop of so many rows that it is not known which of these are redundant.
     without : str
         Why there are no M and f; empty where there are.
     mass, force : array
@@ -188,7 +188,7 @@ class Evaluation(NamedTuple):
     rows, columns : tuple of str
         As of :class:`Matrices`.
     violations : mapping of str to Violation
-        What the state, and these accelerations, leave of the constraints of each joint and driver.
+        Residuals of each joint and driver at the state, and with these accelerations.
     notes : tuple of str
         Which of them are open, or come apart, by more than the scene's closure tolerance: what is
         computed there keeps gaps from accelerating, and is no motion of the scene. And that digits
@@ -276,9 +276,9 @@ def evaluate(
     Parameters
     ----------
     scene : Scene
-        What the solver was made from.
+        The scene of the solver.
     solver : DynamicsSolver
-        What computes the accelerations; the state must be one that it can have.
+        Solver of the accelerations; the state must be one that it can have.
     t, q, v, parameters, angles
         As of :func:`matrices`.
 

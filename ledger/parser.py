@@ -182,7 +182,7 @@ def _factor(stream: _Stream) -> FormulaNode:
 
 
 def _worded(node: FormulaNode, words: str) -> FormulaNode:
-    """Make words behind a letter part of its name; behind anything else they say where it is."""
+    """Symbol with words added to its name; behind anything else words name a position."""
     if isinstance(node, SymbolName):
         return replace(node, letter=node.letter + words)
     if words not in _PLACES:

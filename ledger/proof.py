@@ -249,9 +249,9 @@ def derived(package: str, function: str, output: str) -> Value:
     return as_value(expressions[output])
 
 
-# -- what entries ask for -----------------------------------------------------------------------
+# -- proofs that entries name -------------------------------------------------------------------
 
-#: What the entries of every document may ask for.
+#: Proofs that the entries of every document may name.
 GENERAL = Names()
 
 

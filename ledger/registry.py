@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from kousoku.ledger.vocabulary import Vocabulary
 
 Words = Callable[[], "Vocabulary"]
-#: What a proof saw, in one line; or statements, each with whether it is true.
+#: Finding of a proof, in one line; or statements, each with whether it is true.
 Evidence = str | Mapping[str, bool]
 
 _Known = TypeVar("_Known")

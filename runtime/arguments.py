@@ -30,7 +30,7 @@ class CheckedArguments:
     is_shared : tuple of bool
         Which inputs have no batch axis.
     out : tuple of arrays or None
-        Where the outputs go, with ``n`` in front; None for those that nobody wants.
+        Arrays of the outputs, with ``n`` in front; None for outputs that are not wanted.
     """
 
     n: int | None
@@ -95,7 +95,7 @@ class Signature:
         inputs : tuple of (*batch, *shape) array_like
             One for each input, with any leading batch axes.
         out : sequence of (*batch, *shape) arrays or None, optional
-            Where the outputs go, None for an output that is not wanted.
+            Arrays of the outputs, None for an output that is not wanted.
         wanted : tuple of bool
             The outputs to allocate where ``out`` is not given.
 
@@ -131,7 +131,7 @@ class Signature:
         wanted: tuple[bool, ...],
         width: int,
     ) -> tuple[CheckedArguments, tuple[Floats, ...]]:
-        """Do the same for arrays in the lanes layout, (n_blocks, *shape, width)."""
+        """Arguments and outputs as of :meth:`prepare`, in lanes: (n_blocks, *shape, width)."""
         arrays = [self._floats(k, value) for k, value in enumerate(inputs)]
         n = len(arrays[0]) if arrays and arrays[0].ndim else 0
         for array, q in zip(arrays, self.inputs, strict=True):

@@ -83,7 +83,7 @@ class Built:
     path : Path
         The shared library.
     damage : str
-        What was wrong with the library that lay there before; ``""`` if nothing was.
+        Damage of the library that lay there before; ``""`` if there was none.
     """
 
     path: Path
@@ -149,7 +149,7 @@ def _own_shelf() -> Path:
 
 
 def _look(entry: Path) -> tuple[Path | None, str]:
-    """Library of an entry if it is whole, else None and what is wrong with it."""
+    """Library of an entry if it is intact, else None and its damage."""
     try:
         expected, _, name = (entry / _DIGEST).read_text(encoding="ascii").strip().partition("  ")
         content = (entry / name).read_bytes()
@@ -184,7 +184,7 @@ def _make(source: Source, toolchain: Toolchain, entry: Path) -> Path:
 
 
 def _publish(finished: Path, entry: Path) -> Path:
-    """Rename a folder into place; one that is there already and whole is as good."""
+    """Rename a folder into place; an intact one that is there already is as good."""
     for attempt in range(3):
         reason = ""
         try:

@@ -1,4 +1,4 @@
-"""Numbers of a scene that depend on parameters: what they are with those of a run.
+"""Numbers of a scene that depend on parameters: their values with those of a run.
 
 ``motion.json`` has an index in place of each; the solver computes them.
 """
@@ -65,7 +65,7 @@ class DesignPlaces:
 
 
 def with_parameters(solver: DynamicsSolver, values: Array) -> DynamicsSolver:
-    """Solver whose start, bodies and joints are those that some parameters make.
+    """Solver with the start, bodies and joints that follow from some parameters.
 
     Parameters
     ----------
@@ -114,9 +114,9 @@ def not_closed(solver: DynamicsSolver, work: Array, times: float) -> str:
     solver : DynamicsSolver
         A scene.
     work : (work_size,) array
-        Where its solver evaluated the rows [m, rad].
+        Workspace in which its solver evaluated the rows [m, rad].
     times : float [-]
-        So many times the closure tolerance is what they may miss.
+        Largest residual of a closed joint, in closure tolerances.
     """
     rows, limit = solver.checked, times * solver.layout.closure_tolerance
     base, _ = solver.places.get("C", solver.places["C_left_out"])

@@ -55,13 +55,13 @@ class DynamicsSolver:
     q, v : array
         Coordinates and velocities at the start.
     target : SolverTarget
-        What computes.
+        Target that computes.
     rows : tuple of (str, str)
         Joint or driver of each constraint, and the unit of its residual: m or rad.
     left_out : tuple of (str, str)
-        The same of constraints that depend on others and are not solved for.
+        Joint and unit of constraints that depend on others and are not solved for.
     satisfied : tuple of (str, str)
-        The same of constraints that hold by themselves: bodies are put onto these joints.
+        Joint and unit of constraints that hold by themselves: bodies are put onto their joints.
     conserved : tuple of ConservedPlaces
         Parts of the scene that conserve some momentum.
     parameters : tuple of (str, float)
@@ -75,12 +75,12 @@ class DynamicsSolver:
     state : mapping of str to Field
         Fields of the state of a run.
     moved : mapping of str to Moved
-        What assembly changed of bodies, the one that changed most first.
+        Changes of bodies by assembly, the largest first.
     design : DesignPlaces, optional
         Numbers of the scene that depend on parameters, where it has some. Then ``q`` and ``v`` are
         the start with the parameters of the scene, and :meth:`at` has that with others.
     base : DynamicsSolver, optional
-        Of a solver with other parameters that with those of the scene.
+        Of a solver with other parameters: the solver with those of the scene.
     """
 
     name: str
@@ -131,7 +131,7 @@ class DynamicsSolver:
 
     @property
     def counts(self) -> tuple[tuple[int, str, str], ...]:
-        """Counts that tell scenes apart: how many, of what, and of several."""
+        """Counts of bodies, joints and others: number, noun, and its plural."""
         drivers = sum(name.startswith("drivers.") for name in self.layout.checked)
         degrees = len(self.v) - len(self.rows) - len(self.satisfied)
         counts = (

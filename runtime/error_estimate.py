@@ -1,4 +1,4 @@
-"""Error of the rows of a run: how far another run by another method is away from them."""
+"""Error of the rows of a run: their distance from a second run by another method."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ class ErrorEstimate:
     Parameters
     ----------
     length : float [unit of the scene]
-        Of the position of a body.
+        Largest difference of the position of a body.
     angle : float [rad]
-        Of the orientation of a body.
+        Largest difference of the orientation of a body.
     unit : str
         The unit of the scene.
     method : str
-        That of the second run.
+        Method of the second run.
     unknown_from : float or None [s]
         The last row before the runs are apart by a tenth of a length of the scene, or of a radian,
         as where a motion is chaotic, or before the second one has stopped: the estimate is of the

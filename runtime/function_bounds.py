@@ -1,4 +1,4 @@
-"""Compare bounds of the functions whose roots a run looks for with what they are bounds of.
+"""Compare bounds of the functions whose roots a run seeks with the functions themselves.
 
 Bounds over no time, at the numbers of ``functions`` in ``reference.json.gz``, are values and rates.
 Those of a box must have between them what the functions are at places inside. Of distances a run
@@ -30,8 +30,8 @@ SEGMENTS = ("switching", "bending", "crossing")
 DISTANCES = ("lengths", "distances")
 #: Kernel that a report names for these rows.
 KERNEL = "bounds"
-#: Half of the sides of boxes, as parts of one and of what is read, and at how many places inside
-#: functions are looked at.
+#: Half sides of boxes, as parts of one and of the numbers read, and count of points inside of a
+#: box at which functions are evaluated.
 HALF_SIDES, INSIDE = (2.0**-20, 2.0**-7, 2.0**-2), 5
 #: The unit of error inside of a box, as a part of one and of the number.
 UNIT = 2.0**-24
@@ -43,7 +43,7 @@ def bound_rows(solver: NumpySolver, points: Sequence[Mapping[str, Any]]) -> Iter
     Parameters
     ----------
     solver : NumpySolver
-        That of a scene.
+        Solver of a scene.
     points : sequence
         Times, what is read there, and values and rates.
     """
@@ -116,7 +116,7 @@ def _columns(references: Mapping[str, Array]) -> Iterator[tuple[str, list[Array]
 def _bounds(
     least: Array, most: Array, references: Mapping[str, Array], w: Workspace
 ) -> dict[str, Array]:
-    """Bounds (n, 4) by region of known functions, where what is read, time first, is in a box."""
+    """Bounds (n, 4) of functions by region, over a box of what they read, time first."""
     ends = np.stack((least, most), axis=-1).ravel()
     numbers = [*ends[:2], *ends[6:]]  # of the time no rate
     for region in (w.span, w.law_span, w.ranges):
@@ -127,7 +127,7 @@ def _bounds(
 
 
 def _row(name: str, number: int, errors: Array, computed: Array, expected: Array) -> Row:
-    """Worst error (n, 1) or (n, 4) of a region; where nothing is known, or told, there is none."""
+    """Worst error (n, 1) or (n, 4) of a region; NaN, without reference or bound, is none."""
     finite = np.where(np.isnan(errors), 0.0, errors)
     k, column = np.unravel_index(int(np.argmax(finite)), finite.shape)
     return Row(

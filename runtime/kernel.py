@@ -49,7 +49,7 @@ class Kernel:
     signature : Signature
         The checks.
     target : KernelTarget
-        What computes.
+        Target that computes.
     fast : callable, optional
         Tried first; it takes only arguments that need no conversion.
     """
@@ -186,7 +186,7 @@ class BoundKernel:
     inputs : tuple of arrays
         The inputs, as given.
     out : tuple of (array or None)
-        Where every output goes.
+        Arrays of the outputs.
     """
 
     __slots__ = ("_fast", "_kernel", "_results", "inputs", "out")

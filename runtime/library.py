@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from kousoku.runtime.toolchain import Toolchain
 
 NUMPY_SOURCE, C_SOURCE, BATCH_SOURCE = "kernels.py", "kernels.c", "kernels_batch.c"
-#: What batches of all packages include.
+#: Header that batches of all packages include.
 LANES = Path(__file__).with_name("lanes.h")
 
 
@@ -48,7 +48,7 @@ class Library:
     path : Path or None
         The shared library, None for NumPy.
     damage : str
-        What was wrong with the library that lay in the cache before; ``""`` if nothing was.
+        Damage of the library that lay in the cache before; ``""`` if there was none.
     files : mapping of str to bytes
         Name and content of the files: pickled, the library takes them along.
     """
@@ -157,7 +157,7 @@ def _load_numpy(sources: Sources, reason: Exception | None) -> Library:
 
 
 def c_sources(files: Mapping[str, bytes]) -> tuple[tuple[str, bytes], ...]:
-    """Sources of C among the files of a package, and what its batches include."""
+    """Sources of C among the files of a package, and the header that its batches include."""
     sources = tuple(item for item in files.items() if item[0].endswith((".c", ".h")))
     if BATCH_SOURCE in files and LANES.name not in files:
         sources += ((LANES.name, LANES.read_bytes()),)

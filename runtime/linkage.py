@@ -47,7 +47,7 @@ class CompiledLinkage(KinematicSolver):
     library : ctypes.CDLL
         The loaded library.
     sources : Sources
-        What it was built of.
+        Its sources.
     """
 
     name = "c"
@@ -85,7 +85,7 @@ class LinkageSolver(Linkage):
     Parameters
     ----------
     target : KinematicSolver
-        What computes: the compiled library, or the analysis of the folder.
+        Target that computes: the compiled library, or the analysis of the folder.
     sources : Sources
         The generated files.
     """
@@ -105,7 +105,7 @@ class LinkageSolver(Linkage):
 
     @property
     def counts(self) -> tuple[tuple[int, str, str], ...]:
-        """Counts that tell scenes apart: how many, of what, and of several."""
+        """Counts of nodes, links and inputs: number, noun, and its plural."""
         mechanism, nouns = self.mechanism, ("node", "link", "input")
         numbers = map(len, (mechanism.nodes, mechanism.links, mechanism.inputs))
         return tuple((n, noun, f"{noun}s") for n, noun in zip(numbers, nouns, strict=True))
@@ -213,7 +213,7 @@ def _open_same(sources: Sources, target: ChosenTarget) -> LinkageSolver:
 
 
 def record_of(run: RunRequest, rows: Rows) -> Any:
-    """Record of ``solver.h`` that asks for a run and points at room for its rows."""
+    """Record of ``solver.h`` that asks for a run and points at the memory of its rows."""
     record = _run_type(len(run.origin))()
     for field in RUN:
         value = getattr(run if hasattr(run, field.name) else rows, field.name)

@@ -54,7 +54,7 @@ class LinkageCheck(SolverCheck[LinkageSolver]):
         return worst_rows(_rows(solver, data["points"]))
 
     def problems(self, solvers: Sequence[LinkageSolver], data: Data) -> Iterator[str]:
-        """Messages on segments with other bits by C, and on what is wrong with motions."""
+        """Problems with segments that have other bits in C, and with motions."""
         if data is None:
             return
         if len(solvers) > 1:
@@ -66,7 +66,7 @@ class LinkageCheck(SolverCheck[LinkageSolver]):
 def _computed(
     solver: LinkageSolver, point: Mapping[str, Any]
 ) -> Iterator[tuple[str, str, Floats, Mapping[str, Any]]]:
-    """Segments and outputs, with the values that were computed at a point and those stored."""
+    """Segments and outputs, with their computed and their stored values at a point."""
     inputs = {name: np.array(x, dtype=np.float64) for name, x in point["inputs"].items()}
     for segment, outputs in point["outputs"].items():
         with np.errstate(all="ignore"):
@@ -134,7 +134,7 @@ def _motion_problems(solver: LinkageSolver, solution: Mapping[str, Any]) -> Iter
 def _at_other_rates(
     run: RunRequest, exact: dict[str, Floats]
 ) -> tuple[RunRequest, dict[str, Floats]]:
-    """Run whose time goes by otherwise, and what it must give.
+    """Run with another law of time, and its exact motion.
 
     With t(τ), dt/dτ = s and d²t/dτ² = c, a velocity v becomes s v, an acceleration a becomes
     s² a + c v; the same holds for the inputs.

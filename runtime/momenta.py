@@ -1,4 +1,4 @@
-"""Momentum in the ledger of a run: how far it changed where it should not have."""
+"""Momentum in the ledger of a run: its change where it is conserved."""
 
 from __future__ import annotations
 

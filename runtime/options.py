@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 #: Methods of scenes that move freely.
 RUNGE_KUTTA = tuple(LEAST_TOLERANCES)
-#: In the order of the solver's text; the last one is there only where drivers determine the motion.
+#: All methods, in the order of the solver's text; the last only where drivers determine the motion.
 METHOD_NAMES = (*RUNGE_KUTTA, KINEMATICS)
 #: All options of a run; a copied folder alone takes the others.
 ALL_OPTIONS = (*OPTIONS, "strict", "estimate_error")
@@ -55,7 +55,7 @@ class RunOptions(TypedDict, total=False):
 class Options:
     """Options of a run as a user asks for them, checked, with parameters and start of the scene.
 
-    The integrator takes what of them rules its steps as :class:`Settings`.
+    The integrator takes those that rule its steps as :class:`Settings`.
 
     Parameters
     ----------
@@ -213,5 +213,5 @@ def _require_method(solver: DynamicsSolver, name: str, step: float | None) -> No
 def with_values(
     solver: DynamicsSolver, given: Mapping[str, float | str] | None
 ) -> tuple[tuple[str, float], ...]:
-    """Parameters of a scene, all of them, those that are given with their new values."""
+    """All parameters of a scene, some of them with new values."""
     return tuple(values_of(solver.name, dict(solver.parameters), given).items())

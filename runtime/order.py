@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     Tree = tuple["Tree", ...]
 
-#: Orders of the polynomials inside of a step, and of what the estimates of errors leave out.
+#: Orders of the polynomials inside of a step, and orders up to which estimates of errors vanish.
 INSIDE = {"dopri5": 4, "dop853": 7}
 ESTIMATES = {"dopri5": (4,), "dop853": (5, 3)}
 #: Parts of a step at which its polynomial is checked.
@@ -46,7 +46,7 @@ GRAIN = 112
 
 #: Tolerance that gives the first step, and number of times that are tried, each twice the last.
 TOLERANCE, DOUBLED = 1e-5, 4
-#: Differences of halved steps that tell an order, as parts of the largest number: not yet rounding.
+#: Differences of halved steps that show an order, as parts of the largest number: not yet rounding.
 LEAST, MOST = 1e-12, 1e-3
 #: Least motion, relative to the same: in an unstable equilibrium rounding grows to differences that
 #: show no order.
@@ -93,7 +93,7 @@ class _Weights:
         self._known: dict[Tree, tuple[list[int], list[float]]] = {}
 
     def __call__(self, tree: Tree) -> tuple[list[int], list[float]]:
-        """Weight Φ in units of 2^(−GRAIN · branches' nodes), and what its terms add up to."""
+        """Weight Φ in units of 2^(−GRAIN · branches' nodes), and the same of |a| in doubles."""
         if tree not in self._known:
             exact, sizes = [1] * len(self._exact), [1.0] * len(self._exact)
             for branch in tree:
@@ -105,7 +105,7 @@ class _Weights:
         return self._known[tree]
 
     def defect(self, b: Sequence[float], tree: Tree, expected: Fraction) -> tuple[float, float]:
-        """Defect of an order condition, and what rounding of the table may leave of it."""
+        """Defect of an order condition, and the size that its rounding scales with."""
         exact, sizes = self(tree)
         total = sum(_whole(x) * y for x, y in zip(b, exact, strict=False))
         defect = Fraction(total, 2 ** (GRAIN * _size(tree))) - expected

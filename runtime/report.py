@@ -22,16 +22,16 @@ class Row:
     Parameters
     ----------
     kernel, output : str
-        Of what.
+        The kernel, and its output.
     way : str
         ``"C"``, ``"C batch"``, ``"C lanes"``, ``"NumPy"`` or ``"NumPy batch"``.
     worst : float
         In units; infinite where a number that is not finite stands for a finite one or the other
         way round, or something for an identical zero.
     element : tuple of int
-        Where in the output.
+        Index in the output.
     point : int
-        Where in the list of points.
+        Index of the point.
     label : str
         Why that point is there.
     inputs : tuple of (str, str)
@@ -39,7 +39,7 @@ class Row:
     got, wanted : float
         What was computed; the reference, NaN for "must not be finite".
     limit : float
-        The most that it may be off there, in units.
+        Largest allowed error there, in units.
     """
 
     kernel: str
@@ -91,7 +91,7 @@ class Report:
     package : str
         Its name.
     folder : str
-        Where it lies.
+        Its folder.
     rows : tuple of Row
         One for each kernel, output and way of calling.
     problems : tuple of str

@@ -90,16 +90,16 @@ class Run:
     Parameters
     ----------
     solver : DynamicsSolver
-        What moves.
+        Solver of the scene that moves.
     times : array [s]
         The times to write, ascending.
     options : Options
-        How.
+        Options of the run.
     saved : SavedRun, optional
         Go on from there; what :func:`kousoku.runtime.saved.checked_run` returned.
     """
 
-    #: What moves, where kousoku loaded it; results pass it on.
+    #: Mechanism that moves, where kousoku loaded it; results pass it on.
     mechanism: Any = None
 
     def __init__(

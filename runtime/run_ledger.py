@@ -111,19 +111,19 @@ class RunLedger:
         Largest change of momentum that nothing should change, part by part: bodies that nothing
         connects with the ground; empty where rows were not checked.
     violations : mapping of str to Violation
-        What is left of the constraints by joint, of those too that depend on others and are not
-        solved for; empty where rows were not checked.
+        Residuals of the constraints by joint, also of dependent ones that are not solved for;
+        empty where rows were not checked.
     missed : mapping of str to (float, float) [m], [rad]
-        By how much joints were open at rows that were left out, because others imply them but for
-        the scene's closure tolerance: what they missed at most; empty where it is rounding.
+        Largest gaps of joints at rows that were left out, because others imply them but for the
+        scene's closure tolerance; empty where they are rounding.
     released : tuple of str
-        Those of them that came open by more than ten times that tolerance: elsewhere these rows
+        Joints of these that came open by more than ten times that tolerance: elsewhere these rows
         are not redundant, and the motion is not that of the scene.
     moved : mapping of str to Moved
-        What assembly changed of the start that the scene gives, by more than 1e-6 of its length and
-        speed: bodies, the one that changed most first.
+        Changes of the start by assembly, of more than 1e-6 of length and speed: bodies, the one
+        that changed most first.
     events : mapping of str to int
-        How often each event was.
+        Count of each event.
     seconds : mapping of str to float
         Time that each phase took: it differs from run to run.
     trust : Trust
@@ -315,15 +315,15 @@ def ledger_of(
     Parameters
     ----------
     solver : DynamicsSolver
-        What moves.
+        Solver of the scene that moves.
     numbers : (state_size,) array
         The state of the run, in the units of its fields.
     options : Options
-        How the run is made.
+        Options of the run.
     seconds : mapping of str to float [s]
         Time that each phase took.
     error : ErrorEstimate, optional
-        Of its rows.
+        Error of its rows.
     """
     state = {name: field.view(numbers) for name, field in solver.state.items()}
     single = {name: float(field) for name, field in state.items() if field.ndim == 0}
@@ -393,7 +393,7 @@ def violations_of(
     Parameters
     ----------
     worst : (3, m) array
-        Of each row C, Ċ and C̈ [m or rad, per s, per s²].
+        C, Ċ and C̈ of each row [m or rad, per s, per s²].
     rows : sequence of (str, str)
         Joint or driver of each row, and the unit of its residual: m or rad.
     order : sequence of str

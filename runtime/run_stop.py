@@ -31,7 +31,7 @@ def joints_at_stop(rows: Sequence[tuple[str, str]], residuals: Array, pivots: Ar
     residuals : array
         Residual of each where they were evaluated last.
     pivots : array
-        Of the factorisation at the last good state; those after one that is zero are no numbers.
+        Pivots of the factorisation at the last good state, no numbers after one that is zero.
     """
     if not rows:
         return ""

@@ -1,4 +1,4 @@
-"""Check what was made from a scene: what is the same for bodies and for linkages of nodes.
+"""Check of a generated scene: the part common to bodies and to linkages of nodes.
 
 At each state of ``reference.json.gz`` all that the solver computes is computed again, by C and by
 NumPy, and its error is told in units of what rounding can do there.
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from kousoku.runtime.choice import ChosenTarget, Target
     from kousoku.runtime.sources import Sources
 
-    #: What ``reference.json.gz`` holds; None where the folder was generated without.
+    #: Content of ``reference.json.gz``; None where the folder was generated without.
     Data = Mapping[str, Any] | None
 
 Loaded = TypeVar("Loaded")
@@ -58,7 +58,7 @@ class SolverCheck(ABC, Generic[Loaded]):
 
     @abstractmethod
     def problems(self, solvers: Sequence[Loaded], data: Data) -> Iterator[str]:
-        """Problems besides: with motions, tables, and one target beside the other."""
+        """Other problems: of motions and tables, and differences between targets."""
 
     def notes(self, data: Mapping[str, Any]) -> Iterator[str]:
         """Notes on what is not compared, and why."""
@@ -112,7 +112,7 @@ class SolverCheck(ABC, Generic[Loaded]):
 def by_each_target(
     load: Callable[[Target], Loaded], target: Target, problems: list[str], notes: list[str]
 ) -> list[Loaded]:
-    """Library or solver by each target; what cannot be had is a problem, or a note.
+    """Library or solver by each target; a missing one is a problem, or a note.
 
     No compiler is a note, unless C was asked for; none at all is a problem.
     """

@@ -34,7 +34,7 @@ class Sources:
     Parameters
     ----------
     folder : Path
-        Where they lay.
+        Folder that they were read from.
     manifest : Manifest
         What the package promises.
     files : mapping of str to bytes
@@ -60,12 +60,12 @@ class Sources:
 
     @property
     def is_scene(self) -> bool:
-        """Whether they are those of the solver of a scene, and not of a kind."""
+        """Whether the files are the solver of a scene, and not a kind."""
         return MOTION_FILE in self.files
 
     @property
     def is_linkage(self) -> bool:
-        """Whether they are those of the solver of a linkage of nodes, by their names."""
+        """Whether the files are the solver of a linkage of nodes, by their names."""
         library = f"{LINKAGE_LIBRARY}/"
         return self.is_scene and any(name.startswith(library) for name in self.files)
 
@@ -76,7 +76,7 @@ class Sources:
         return data
 
     def module(self, name: str) -> types.ModuleType:
-        """Module of them, such as ``solver.py``, that was emitted with the manifest.
+        """Module of the package, such as ``solver.py``, that was emitted with the manifest.
 
         Raises
         ------
@@ -99,7 +99,7 @@ class Sources:
         return Sources, (self.folder, self.manifest, dict(self.files))
 
     def place(self) -> Path:
-        """Folder that has them: where they lay, or one in the cache.
+        """Folder with the files: the one they were read from, or one in the cache.
 
         Raises
         ------

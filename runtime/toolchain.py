@@ -55,10 +55,10 @@ _SHARED = {
     "darwin": ("-dynamiclib", "-fPIC"),
     "linux": ("-shared", "-fPIC", "-nostartfiles"),
 }.get(sys.platform, ("-shared", "-fPIC"))
-#: What every kernel includes: a compiler that has no C library headers is no compiler for us.
 _NONE_FOUND = (
     "no C compiler found (tried cc, gcc and clang; pip install 'kousoku[compiler]' brings one)"
 )
+#: Headers that every kernel includes: a compiler without them is no compiler for us.
 _PROBE = b"#include <math.h>\n#include <stddef.h>\n"
 
 

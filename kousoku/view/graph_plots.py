@@ -31,7 +31,7 @@ _STYLE: dict[RcKeyType, Any] = {
     "font.size": 9.0,
 }
 _EDGE = "#c8c8c8"
-#: What a node is, its operations, and how it is drawn: readable without colour vision.
+#: Sort of a node, its operations, marker and colour: readable without colour vision.
 _LOOKS = (
     ("input or number", (Op.INPUT, Op.CONST), "o", "#9a9a9a"),
     ("product", (Op.MUL, Op.DIV, Op.NEG), "s", "#1f6f8b"),

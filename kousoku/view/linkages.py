@@ -93,7 +93,7 @@ class _LinkageShapes:
     scene : Scene
         The linkage.
     nodes : mapping of str to (rows, 2)
-        Where its nodes are.
+        Positions of its nodes.
     """
 
     def __init__(self, scene: Scene, nodes: Mapping[str, Array]) -> None:

@@ -41,7 +41,7 @@ class Path:
     Parameters
     ----------
     name : str
-        What it is the path of.
+        Joint or body whose path it is.
     body : int
         Place of the body in the shapes.
     s : (3,) [unit of the scene]

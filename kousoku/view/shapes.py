@@ -35,13 +35,13 @@ DARK = (
 """All colours, on white and on black."""
 
 THIN, SLENDER = 0.009, 0.07
-"""Radius of what has no thickness: parts of the mechanism's size and of the length of a body."""
+"""Radius of lines without thickness: parts of the mechanism's size and of the length of a body."""
 PIECES = 8.0
 """Pieces of a solid that is as long as the mechanism."""
 WIDE = 2.5
 """How much longer than the mechanism a body may be that is drawn after its moments of inertia."""
 GENERIC = "spherical"
-"""What the sign of a joint of one's own is taken from."""
+"""Joint whose sign stands for joints of one's own."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -208,7 +208,7 @@ def spatial_shapes(scene: Scene, poses: tuple[Array, Array]) -> Shapes:
 
 
 def with_values(scene: Scene, parameters: Mapping[str, float | str] | None) -> Scene:
-    """Scene whose numbers are those that parameters give them; the rest are its own.
+    """Scene with the numbers that follow from parameters; all others are its own.
 
     Raises
     ------

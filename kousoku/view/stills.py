@@ -28,7 +28,7 @@ SHADES = 12
 LAMP = np.array([-0.4, 0.75, 0.65]) / np.linalg.norm([-0.4, 0.75, 0.65])
 """Direction toward the light: right, up, toward the viewer."""
 VIEWING_DISTANCE = 4.5
-"""Distance of the viewer from the middle, in radii of what is seen."""
+"""Distance of the viewer from the middle, in radii of the scene."""
 SIZE = (640, 420)
 """Width and height of a picture, in the pixels of a page."""
 LARGEST_PICTURE = 460_000
@@ -42,7 +42,7 @@ CORNER, PIECES = 0.12, 4
 FEW_POINTS, LONGEST_PATH = 240, 4000
 """A path of no more points is drawn as it is; of a longer motion the path begins with these."""
 STRIP = 400.0
-"""Height below a picture for what says where x, y and z are."""
+"""Height below a picture for the directions x, y and z."""
 STYLE = (
     ".e{fill:none;stroke:#2b3140;stroke-width:8;stroke-linecap:round;opacity:.7}"
     ".g{fill:none;stroke:#8a94a6;stroke-width:7;opacity:.35}"
