@@ -50,7 +50,7 @@ class Mechanism:
     Parameters
     ----------
     solver : DynamicsSolver or LinkageSolver
-        What computes.
+        Its solver.
     text : str
         The scene as TOML.
     file : str

@@ -38,11 +38,11 @@ class Library:
     Parameters
     ----------
     folder : Path
-        Where the package lies.
+        Folder of the package.
     manifest : Manifest
-        What it promises.
+        Its manifest.
     target : {"c", "numpy"}
-        What computes.
+        Target that computes.
     kernels : mapping of str to Kernel
         In the order of the manifest.
     path : Path or None

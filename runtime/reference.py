@@ -123,11 +123,11 @@ def read_references(
     Parameters
     ----------
     folder : Path
-        Where the package lies.
+        Folder of the package.
     manifest : Manifest
-        What it promises.
+        Its manifest.
     files : mapping of str to bytes
-        What its files hold, as :func:`kousoku.runtime.sources.read_files` gives it.
+        Contents of its files, as :func:`kousoku.runtime.sources.read_files` gives it.
 
     Raises
     ------
