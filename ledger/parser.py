@@ -373,11 +373,11 @@ def _skip_arguments(stream: _Stream) -> None:
     if stream.peek() != "(":
         return
     depth, has_comma = 0, False
-    for ahead in range(len(stream.tokens) - stream.place):
+    for ahead in range(len(stream.tokens) - stream.position):
         token = stream.peek(ahead)
         depth += (token == "(") - (token == ")")
         has_comma = has_comma or (token == "," and depth == 1)
         if depth == 0:
             if has_comma:
-                stream.place += ahead + 1
+                stream.position += ahead + 1
             return
