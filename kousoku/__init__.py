@@ -107,9 +107,9 @@ def __getattr__(name: str) -> Any:
     if name not in _MODULES:
         raise AttributeError(f"module 'kousoku' has no attribute {name!r}")
     module = import_module(f"kousoku.{_MODULES[name]}")
-    found = module if name == _MODULES[name] else getattr(module, name)
-    globals()[name] = found
-    return found
+    value = module if name == _MODULES[name] else getattr(module, name)
+    globals()[name] = value
+    return value
 
 
 def __dir__() -> list[str]:

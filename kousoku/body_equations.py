@@ -64,14 +64,14 @@ MOST_TURNS, WHOLE = 100, 1e-6
 
 def equations_of(scene: Scene) -> SceneEquations:
     """Equations of a scene; those of the last scenes are kept."""
-    known = _KEPT.get(id(scene))
-    if known is None or known.scene is not scene:
-        known = SceneEquations(scene)
-    _KEPT[id(scene)] = known
+    equations = _KEPT.get(id(scene))
+    if equations is None or equations.scene is not scene:
+        equations = SceneEquations(scene)
+    _KEPT[id(scene)] = equations
     _KEPT.move_to_end(id(scene))
     while len(_KEPT) > KEPT:
         _KEPT.popitem(last=False)
-    return known
+    return equations
 
 
 #: Equations by the identity of their scenes, which they keep alive.
@@ -84,15 +84,15 @@ class CheckedState(NamedTuple):
     Parameters
     ----------
     time : float [s]
-        When.
+        Its time.
     q, v : array
         As the scene is written; Euler parameters of norm one.
     near : dict of str to float [rad]
-        What angles are counted to within half a turn of.
+        Angles within half a turn of which the turns of a state are counted.
     known : frozenset of str
-        Those of them whose turns drivers prescribe, or the caller.
+        Names of angles whose turns drivers prescribe, or the caller.
     parameters : dict of str to float
-        All of them.
+        All parameters of the scene.
     """
 
     time: float
@@ -109,7 +109,7 @@ class EquationsAtState(NamedTuple):
     Parameters
     ----------
     C, nu, gamma : (m,) array
-        Residuals, and what C_q v and C_q v̇ are.
+        Residuals, and the right sides of C_q v = ν and C_q v̇ = γ.
     C_q : (m, n) array
         Jacobian.
     M : (n, n) array
@@ -151,7 +151,7 @@ class SceneEquations:
         self.parameters = self.system.parameters
         #: A length of the scene, in its unit.
         self.length = characteristic_length(self.system) / self.unit
-        self.bodies = _places(self.system)
+        self.bodies = _body_places(self.system)
         self.sizes = written_sizes(self.bodies)
         #: Where bodies begin in q and in v as the scene is written.
         self.starts = tuple(
@@ -160,18 +160,25 @@ class SceneEquations:
         )
         self.columns = columns_of(self.system.bodies)
         self.rows = tuple(rows_of(self.system, self._program.rows))
-        own = [self.system.constraints[row.instance] for row in self._program.rows]
-        self.units = tuple(scene.unit if unit_of(one) == "m" else "rad" for one in own)
+        constraints = [self.system.constraints[row.instance] for row in self._program.rows]
+        self.units = tuple(
+            scene.unit if unit_of(constraint) == "m" else "rad" for constraint in constraints
+        )
         #: Joint or driver of each row, and the unit of its residual in SI, as of a solver.
         self.checked = [row_of(row, self.system) for row in self._program.rows]
         self._row_scale = np.array(
-            [(1 / self.unit if unit_of(one) == "m" else 1.0) / one.scale for one in own]
+            [
+                (1 / self.unit if unit_of(constraint) == "m" else 1.0) / constraint.scale
+                for constraint in constraints
+            ]
         )
         self._column_scale = np.array([1.0 if is_turn(x) else self.unit for x in self.columns])
-        self._places = tuple(np.array(own, int) for own in zip(*self._recorded.places, strict=True))
+        self._nonzeros = tuple(
+            np.array(indices, int) for indices in zip(*self._recorded.places, strict=True)
+        )
         #: Names of angles that count turns, by whether a solver has a table of coordinates.
         self._turning: dict[bool, list[str]] = {}
-        #: What M lacks, empty where it has all: a rod may be thin about one axis.
+        #: Masses and moments that M lacks, empty if none: a rod may be thin about one axis.
         self.lacks = _lack(self.system.bodies)
 
     @property
@@ -191,8 +198,8 @@ class SceneEquations:
     @cached_property
     def redundant(self) -> npt.NDArray[np.bool_]:
         """Mask of rows that depend on the others wherever the scene moves, (m,)."""
-        left = {(row.instance, row.row) for row in self._freedom.dropped}
-        return np.array([(row.instance, row.row) in left for row in self._program.rows], bool)
+        dropped = {(row.instance, row.row) for row in self._freedom.dropped}
+        return np.array([(row.instance, row.row) in dropped for row in self._program.rows], bool)
 
     def state(
         self,
@@ -211,21 +218,24 @@ class SceneEquations:
         """
         values = values_of(self.name, dict(self.parameters), parameters)
         require_numbers(self.name, time=t)
-        found_q, found_v = (self._given(*one) for one in zip("qv", (q, v), self.sizes, strict=True))
+        checked_q, checked_v = (
+            self._checked_array(*arguments)
+            for arguments in zip("qv", (q, v), self.sizes, strict=True)
+        )
         for body, first in zip(self.bodies, self.starts[0], strict=False):
-            p = found_q[first + 3 : first + 7] if body.p else np.ones(1)
-            size = float(np.sqrt(p @ p))
-            if not size > 0.0:
+            p = checked_q[first + 3 : first + 7] if body.p else np.ones(1)
+            norm = float(np.sqrt(p @ p))
+            if not norm > 0.0:
                 raise SolveError(
                     f"{self.name}: q has no Euler parameters of {body.name}: all four are 0"
                 )
-            p /= size
-        near, known = self._near(float(t), values, angles or {})
-        return CheckedState(float(t), found_q, found_v, near, known, values)
+            p /= norm
+        near, counted = self._near(float(t), values, angles or {})
+        return CheckedState(float(t), checked_q, checked_v, near, counted, values)
 
-    def _given(self, name: str, given: npt.ArrayLike, size: int) -> Array:
-        """Numbers of bodies as the scene is written."""
-        array = numbers_of(self.name, name, given).copy()
+    def _checked_array(self, name: str, numbers: npt.ArrayLike, size: int) -> Array:
+        """Array of q or v, with as many numbers as the bodies of the scene have."""
+        array = numbers_of(self.name, name, numbers).copy()
         if wrong := misfit_of_bodies(name, array, size):
             raise SolveError(f"{self.name}: {wrong}")
         return array
@@ -233,37 +243,37 @@ class SceneEquations:
     def _near(
         self, time: float, values: Mapping[str, float], angles: Mapping[str, float]
     ) -> tuple[dict[str, float], frozenset[str]]:
-        """Values near which the angles are: those given, those of drivers, else of the start."""
+        """Angles to count turns near: the caller's, those of drivers, else those of the start."""
         turning = {x.name: x.near for x in self.system.coordinates if x.counts_turns}
-        known = {}
-        for one in self.system.constraints:
-            names = [self.system.coordinates[term.coordinate].name for term in one.terms]
-            if one.is_driver and names[0] in turning:
-                given = {**values, TIME: time}
-                law = value_of(parse_expression(one.law, tuple(given)), given)
+        prescribed = {}
+        for constraint in self.system.constraints:
+            names = [self.system.coordinates[term.coordinate].name for term in constraint.terms]
+            if constraint.is_driver and names[0] in turning:
+                arguments = {**values, TIME: time}
+                law = value_of(parse_expression(constraint.law, tuple(arguments)), arguments)
                 if math.isfinite(law):
-                    known[names[0]] = one.law_unit * law / one.terms[0].factor
+                    prescribed[names[0]] = constraint.law_unit * law / constraint.terms[0].factor
         for name, value in angles.items():
             if name not in turning and name not in self.scene.coordinates:
                 raise SolveError(f"{self.name}: {unknown('angle', name, sorted(turning))}")
-            one_number: dict[str, Any] = {f"angle {name}": value}
-            require_numbers(self.name, **one_number)
+            number: dict[str, Any] = {f"angle {name}": value}
+            require_numbers(self.name, **number)
             if name in turning:
-                known[name] = float(value)
-        return turning | known, frozenset(known)
+                prescribed[name] = float(value)
+        return turning | prescribed, frozenset(prescribed)
 
     def numbers(self, state: CheckedState) -> tuple[EquationsAtState, CheckedState]:
         """Equations at a state, and the state with the turns of its angles."""
         work, masses = self._with_parameters(state)
         bodies = [
-            replace(body, origin_b=tuple(own[4:7].tolist()), axes_b=tuple(own[7:].tolist()))
-            for body, own in zip(self.bodies, masses, strict=True)
+            replace(body, origin_b=tuple(numbers[4:7].tolist()), axes_b=tuple(numbers[7:].tolist()))
+            for body, numbers in zip(self.bodies, masses, strict=True)
         ]
         zeros = np.zeros(len(work["q"])), np.zeros(len(work["v"]))
         q, v = solver_state(bodies, state.q, state.v, self.unit, zeros)
         work["t"], work["v"] = [state.time], v.tolist()
         self._run(work, q, state)
-        turned = self._closed(state, work["C"])
+        turned = self._with_turns(state, work["C"])
         if turned.near != state.near:
             self._run(work, q, turned)
         return self._written(work, bodies, masses, turned, (q, v)), turned
@@ -278,24 +288,24 @@ class SceneEquations:
                 work.run("setup")
             except (ArithmeticError, ValueError):
                 work["design"] = [math.nan] * len(work["design"])
-            places, numbers = dict(program.design.places), work["design"]
+            slots, numbers = dict(program.design.places), work["design"]
             wrong = [
-                f"{name} is {numbers[places[key]]:.6g}; wanted a positive number"
+                f"{name} is {numbers[slots[key]]:.6g}; wanted a positive number"
                 for name, key in program.design.positive
-                if not numbers[places[key]] > 0.0
+                if not numbers[slots[key]] > 0.0
             ]
             if not np.isfinite(numbers).all():
                 wrong.append("a formula of the scene has no finite value")
             if wrong:
-                given = ", ".join(f"{name} = {x:.6g}" for name, x in state.parameters.items())
-                raise SolveError(f"{self.name}: with {given}: {'; '.join(dict.fromkeys(wrong))}")
+                values = ", ".join(f"{name} = {x:.6g}" for name, x in state.parameters.items())
+                raise SolveError(f"{self.name}: with {values}: {'; '.join(dict.fromkeys(wrong))}")
         work.run("masses")
         return work, np.array(work["masses"]).reshape(-1, NUMBERS)
 
     def _run(self, work: ProgramInterpreter, q: Array, state: CheckedState) -> None:
-        """Evaluate all kernels."""
-        tail = [state.near.get(one.name, 0.0) for one in self._program.auxiliary]
-        work["q"] = [*q[: self.sizes[0]].tolist(), *tail]
+        """Evaluate all kernels at a state."""
+        auxiliary = [state.near.get(coordinate.name, 0.0) for coordinate in self._program.auxiliary]
+        work["q"] = [*q[: self.sizes[0]].tolist(), *auxiliary]
         try:
             work.run("geometry")
         except (ArithmeticError, ValueError) as problem:
@@ -304,7 +314,7 @@ class SceneEquations:
                 " formula has none, or two points coincide whose distance counts"
             ) from None
 
-    def _closed(self, state: CheckedState, c: Sequence[float]) -> CheckedState:
+    def _with_turns(self, state: CheckedState, c: Sequence[float]) -> CheckedState:
         """State whose angles have the turns that close gears, screws and couplings.
 
         Positions tell angles up to whole turns. Where no turns close a row, none are added.
@@ -314,26 +324,26 @@ class SceneEquations:
             for row, value in zip(self._program.rows, c, strict=True)
             if (instance := self.system.constraints[row.instance]).terms
         ]
-        rows = [(value, own) for value, own in rows if own]
-        found = _filled(rows, dict.fromkeys(state.known, 0)) or dict.fromkeys(state.known, 0)
-        for name in dict.fromkeys(name for _, own in rows for name in own):
+        rows = [(value, factors) for value, factors in rows if factors]
+        turns = _solved_turns(rows, dict.fromkeys(state.known, 0)) or dict.fromkeys(state.known, 0)
+        for name in dict.fromkeys(name for _, factors in rows for name in factors):
             tries = (sign * n for n in range(MOST_TURNS) for sign in ((1, -1) if n else (1,)))
-            if name not in found:
-                trials = (_filled(rows, found | {name: n}) for n in tries)
-                found = next(filter(None, trials), found | {name: 0})
-        near = {name: x + math.tau * found.get(name, 0) for name, x in state.near.items()}
+            if name not in turns:
+                trials = (_solved_turns(rows, turns | {name: n}) for n in tries)
+                turns = next(filter(None, trials), turns | {name: 0})
+        near = {name: x + math.tau * turns.get(name, 0) for name, x in state.near.items()}
         return state._replace(near=near)
 
-    def _factors(self, one: Instance, parameters: Mapping[str, float]) -> dict[str, float]:
+    def _factors(self, constraint: Instance, parameters: Mapping[str, float]) -> dict[str, float]:
         """Factors of the angles that a row combines."""
-        found: dict[str, float] = {}
-        for term in one.terms:
+        factors: dict[str, float] = {}
+        for term in constraint.terms:
             coordinate, factor = self.system.coordinates[term.coordinate], term.factor
             if isinstance(factor, Varying):
                 factor = value_of(factor.traced.expression, parameters)
             if coordinate.counts_turns:
-                found[coordinate.name] = found.get(coordinate.name, 0.0) + factor
-        return found
+                factors[coordinate.name] = factors.get(coordinate.name, 0.0) + factor
+        return factors
 
     def _written(
         self,
@@ -347,16 +357,16 @@ class SceneEquations:
         m, n = len(self.rows), len(self.columns)
         jacobian, drift = np.zeros((m, n)), np.zeros(n)
         if m:
-            jacobian[self._places] = work["jacobian"]
+            jacobian[self._nonzeros] = work["jacobian"]
         written, mass = np.zeros((m, n)), np.zeros((n, n))
         force, loads = np.zeros(n), np.array(work["forces"])
         for k, body in enumerate(bodies):
-            own = slice(*self.starts[1][k : k + 2])
-            change, drift[own] = _change(body, *solved)
-            written[:, own] = jacobian[:, own] @ change
-            p, omega = state.q[self.starts[0][k] + 3 :][:4], state.v[own][3:]
-            mass[own, own], force[own] = _newton_euler(
-                body, masses[k], p, omega, change.T @ loads[own]
+            block = slice(*self.starts[1][k : k + 2])
+            to_system, drift[block] = _velocity_map(body, *solved)
+            written[:, block] = jacobian[:, block] @ to_system
+            p, omega = state.q[self.starts[0][k] + 3 :][:4], state.v[block][3:]
+            mass[block, block], force[block] = _newton_euler(
+                body, masses[k], p, omega, to_system.T @ loads[block]
             )
         rows, columns = self._row_scale, self._column_scale
         return EquationsAtState(
@@ -369,67 +379,71 @@ class SceneEquations:
         )
 
     def turning(self, solver: DynamicsSolver) -> tuple[int, list[str]]:
-        """Places of the angles that count turns in q of a solver, and their names."""
+        """First index in q of a solver of the angles that count turns, and their names."""
         is_shown = bool(solver.layout.coordinates)
         if is_shown not in self._turning:
             system = system_of(self.scene, ("coordinates",) if is_shown else ())
             needed = system.coordinates[: len(system.coordinates) - system.only_held]
-            self._turning[is_shown] = [one.name for one in needed if one.counts_turns]
+            self._turning[is_shown] = [
+                coordinate.name for coordinate in needed if coordinate.counts_turns
+            ]
         names = self._turning[is_shown]
         first = len(solver.q) - len(solver.layout.works) - len(names)
-        places = [k for body in solver.bodies for k in (*body.r, *body.p) if isinstance(k, int)]
-        if first != max(places, default=-1) + 1:
+        indices = [k for body in solver.bodies for k in (*body.r, *body.p) if isinstance(k, int)]
+        if first != max(indices, default=-1) + 1:
             raise SolveError(f"{self.name}: the solver was not made from this scene")
         return first, names
 
 
-def _filled(
-    rows: Sequence[tuple[float, Mapping[str, float]]], turns: Mapping[str, int]
+def _solved_turns(
+    rows: Sequence[tuple[float, Mapping[str, float]]], known: Mapping[str, int]
 ) -> dict[str, int] | None:
-    """Turns that follow from those of some angles, None where a row stays open.
+    """Turns of all angles that follow from those of some, None where a row stays open.
 
     Parameters
     ----------
     rows : sequence of (float, dict)
-        What is left of each row, as a part of a turn, and the factors of its angles.
-    turns : mapping of str to int
-        What is known.
+        Residual of each row, in turns, and the factors of its angles.
+    known : mapping of str to int
+        Turns of the other angles.
     """
-    found = dict(turns)
-    rest = list(rows)
+    turns = dict(known)
+    remaining = list(rows)
     while True:
-        later = []
-        for value, factors in rest:
-            left = value + sum(x * found[name] for name, x in factors.items() if name in found)
-            open_ = [name for name in factors if name not in found and factors[name]]
-            if len(open_) == 1:
-                count = -left / factors[open_[0]]
-                if abs(count) > 1 / WHOLE or abs(count - round(count)) > WHOLE:
+        postponed = []
+        for value, factors in remaining:
+            residual = value + sum(x * turns[name] for name, x in factors.items() if name in turns)
+            missing = [name for name in factors if name not in turns and factors[name]]
+            if len(missing) == 1:
+                turn = -residual / factors[missing[0]]
+                if abs(turn) > 1 / WHOLE or abs(turn - round(turn)) > WHOLE:
                     return None
-                found[open_[0]] = round(count)
-            elif open_:
-                later.append((value, factors))
-            elif abs(left) > WHOLE:
+                turns[missing[0]] = round(turn)
+            elif missing:
+                postponed.append((value, factors))
+            elif abs(residual) > WHOLE:
                 return None
-        if len(later) == len(rest) or not later:
-            return found
-        rest = later
+        if len(postponed) == len(remaining) or not postponed:
+            return turns
+        remaining = postponed
 
 
 def _lack(bodies: Sequence[MovingBody]) -> str:
     """Say which bodies have no mass, or no moments of inertia though they can turn."""
-    light = [body.name for body in bodies if not body.mass > 0.0]
-    still = [x.name for x in bodies if x.mass > 0.0 and not x.is_point and not any(x.inertia)]
-    pairs = (("mass", light), ("moments of inertia", still))
-    return " and ".join(f"no {what} of {listed(names)}" for what, names in pairs if names)
+    massless = [body.name for body in bodies if not body.mass > 0.0]
+    without_inertia = [
+        x.name for x in bodies if x.mass > 0.0 and not x.is_point and not any(x.inertia)
+    ]
+    pairs = (("mass", massless), ("moments of inertia", without_inertia))
+    return " and ".join(f"no {quantity} of {listed(names)}" for quantity, names in pairs if names)
 
 
-def _places(system: System) -> tuple[BodyPlaces, ...]:
-    """Places of bodies in q and v where nothing is left out."""
-    found, at_q, at_v = [], 0, 0
+def _body_places(system: System) -> tuple[BodyPlaces, ...]:
+    """Indices of bodies in q and v where no coordinate is left out."""
+    places, at_q, at_v = [], 0, 0
     for body in system.bodies:
         turns = not body.is_point
-        found.append(
+        places.append(
             BodyPlaces(
                 body.name,
                 tuple(range(at_q, at_q + 3)),
@@ -441,10 +455,10 @@ def _places(system: System) -> tuple[BodyPlaces, ...]:
             )
         )
         at_q, at_v = at_q + 3 + 4 * turns, at_v + 3 + 3 * turns
-    return tuple(found)
+    return tuple(places)
 
 
-def _change(body: BodyPlaces, q: Array, v: Array) -> tuple[Array, Array]:
+def _velocity_map(body: BodyPlaces, q: Array, v: Array) -> tuple[Array, Array]:
     """T and Ṫ v for v_s = T v, from the velocities of the scene to those of a system.
 
     A system has the centre of mass and the principal axes in place of the body frame: with s′ from
@@ -454,16 +468,16 @@ def _change(body: BodyPlaces, q: Array, v: Array) -> tuple[Array, Array]:
         return np.eye(3), np.zeros(3)
     p, omega = q[list(map(int, body.p))], v[list(map(int, body.omega_b))]
     arm, turn, to_o = np.array(body.origin_b), _matrix(body.axes_b), _matrix(p)
-    change = np.eye(6)
-    change[:3, 3:] = to_o @ _tilde(arm) @ turn
-    change[3:, 3:] = turn
+    to_system = np.eye(6)
+    to_system[:3, 3:] = to_o @ _tilde(arm) @ turn
+    to_system[3:, 3:] = turn
     drift = np.zeros(6)
     drift[:3] = -to_o @ np.cross(omega, np.cross(omega, arm))
-    return change, drift
+    return to_system, drift
 
 
 def _newton_euler(
-    body: BodyPlaces, own: Array, p: Array, omega: Array, load: Array
+    body: BodyPlaces, properties: Array, p: Array, omega: Array, load: Array
 ) -> tuple[Array, Array]:
     """M about the origin of the body frame, and applied less velocity forces, in SI units.
 
@@ -471,23 +485,23 @@ def _newton_euler(
     ----------
     body : BodyPlaces
         The frames of the body.
-    own : array
+    properties : array
         Its mass and principal moments first.
     p, omega : array
         Euler parameters and angular velocity of its body frame, empty or unused of a point.
     load : array
         Force in frame O, and torque about that origin in the body frame.
     """
-    mass = own[0]
+    mass = properties[0]
     if not body.p:
         return mass * np.eye(3), load
     turn = _matrix(body.axes_b)
     center = -turn.T @ np.array(body.origin_b)
-    about = turn.T @ np.diag(own[1:4]) @ turn - mass * _tilde(center) @ _tilde(center)
-    inputs: dict[str, Any] = {"mass": [mass], "r_AG_b": center, "I_A_b": about.ravel()}
+    inertia = turn.T @ np.diag(properties[1:4]) @ turn - mass * _tilde(center) @ _tilde(center)
+    inputs: dict[str, Any] = {"mass": [mass], "r_AG_b": center, "I_A_b": inertia.ravel()}
     inputs |= {"p": p, "omega_b": omega, "F": load[:3], "N_b": load[3:]}
-    found = evaluated(frozen("rigid_body", "newton_euler"), inputs, ARRAY)
-    return np.array(found["M"], dtype=float).reshape(6, 6), np.array(found["h"], dtype=float)
+    terms = evaluated(frozen("rigid_body", "newton_euler"), inputs, ARRAY)
+    return np.array(terms["M"], dtype=float).reshape(6, 6), np.array(terms["h"], dtype=float)
 
 
 def _tilde(a: Array) -> Array:

@@ -77,24 +77,25 @@ class CatalogItem:
 class _Named(Mapping[str, T]):
     """A mapping whose names are found by any alias, and refused with the nearest one."""
 
-    def __init__(self, what: str, found: Mapping[str, T], aliases: Mapping[str, str]) -> None:
-        self._what, self._found, self._aliases = what, MappingProxyType(dict(found)), aliases
+    def __init__(self, noun: str, entries: Mapping[str, T], aliases: Mapping[str, str]) -> None:
+        self._noun, self._entries, self._aliases = noun, MappingProxyType(dict(entries)), aliases
 
     def __getitem__(self, name: str) -> T:
-        known = self._aliases.get(plain_name(name), name)
-        if known not in self._found:
-            known, near = ", ".join(self._found), near_name(name, [*self._found, *self._aliases])
-            raise NotInResultError(f"no {self._what} {name!r}: there are {known}{near}")
-        return self._found[known]
+        key = self._aliases.get(plain_name(name), name)
+        if key not in self._entries:
+            names = ", ".join(self._entries)
+            near = near_name(name, [*self._entries, *self._aliases])
+            raise NotInResultError(f"no {self._noun} {name!r}: there are {names}{near}")
+        return self._entries[key]
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._found)
+        return iter(self._entries)
 
     def __len__(self) -> int:
-        return len(self._found)
+        return len(self._entries)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self._what, dict(self._found), dict(self._aliases))
+        return type(self), (self._noun, dict(self._entries), dict(self._aliases))
 
 
 class Section(_Named[CatalogItem]):
@@ -109,7 +110,7 @@ class Section(_Named[CatalogItem]):
         return table(self.COLUMNS, self._rows())
 
     def _repr_html_(self) -> str:
-        return _html(self._what, self.COLUMNS, self._rows())
+        return _html(self._noun, self.COLUMNS, self._rows())
 
 
 class Catalog(_Named[Section]):
@@ -138,23 +139,23 @@ def _catalog() -> Catalog:
 
     text = (files("kousoku.model") / "scene.schema.json").read_text(encoding="utf-8")
     records = json.loads(text)["$defs"]
-    known: dict[str, JointKind | Coupling] = {**joints.JOINTS, **joints.COUPLINGS}
+    kinds: dict[str, JointKind | Coupling] = {**joints.JOINTS, **joints.COUPLINGS}
     sections = {
         "kinds": _kinds(),
         "joints": [
             CatalogItem(name, x.title, _meanings(records["Joint"], joints.keys_of(name)), x.aliases)
-            for name, x in known.items()
+            for name, x in kinds.items()
         ],
         "forces": _sorts(
             records["Force"],
-            {name: one.all_keys for name, one in FORCES.items()},
-            {name: one.title for name, one in FORCES.items()},
+            {name: kind.all_keys for name, kind in FORCES.items()},
+            {name: kind.title for name, kind in FORCES.items()},
             "type",
         ),
         "drivers": _sorts(
             records["Driver"],
-            {name: one.all_keys for name, one in DRIVERS.items()},
-            {name: one.title for name, one in DRIVERS.items()},
+            {name: kind.all_keys for name, kind in DRIVERS.items()},
+            {name: kind.title for name, kind in DRIVERS.items()},
         ),
         "coordinates": _sorts(
             records["Coordinate"],
@@ -165,11 +166,11 @@ def _catalog() -> Catalog:
         "events": [_record("event", records["Event"])],
         "bodies": [_record(name, records[record]) for name, record in BODIES.items()],
     }
-    found = {name: _section(name, entries) for name, entries in sections.items()}
-    return Catalog("section", found, {})
+    by_name = {name: _section(name, entries) for name, entries in sections.items()}
+    return Catalog("section", by_name, {})
 
 
-#: What a body may be made of, by the key that holds it, and the record of the schema.
+#: Records of the schema that a body may be made of, by the key that holds them.
 BODIES = {
     "body": "Body",
     "orientation": "Orientation",
@@ -184,8 +185,8 @@ BODIES = {
 
 def _section(name: str, entries: Sequence[CatalogItem]) -> Section:
     aliases = {plain_name(alias): x.name for x in entries for alias in (x.name, *x.aliases)}
-    what = name.removesuffix("s") if name != "bodies" else "body or part of one"
-    return Section(what, {x.name: x for x in entries}, aliases)
+    noun = name.removesuffix("s") if name != "bodies" else "body or part of one"
+    return Section(noun, {x.name: x for x in entries}, aliases)
 
 
 def _kinds() -> list[CatalogItem]:
@@ -194,15 +195,15 @@ def _kinds() -> list[CatalogItem]:
     from kousoku.model.files.manifest import MANIFEST_FILE, Manifest
     from kousoku.symbolic import KINDS
 
-    found = []
+    items = []
     for name, kind in KINDS.items():
         path = files(kinds.__name__) / name / MANIFEST_FILE
         manifest = Manifest.from_json(path.read_text(encoding="utf-8"))
         quantities = [q for kernel in manifest.kernels for q in kernel.inputs]
         keys = {q.name: f"{q.meaning}, {q.shape} [{q.unit}]" for q in quantities}
         choices = kind.packages if kind.packages != (name,) else ()
-        found.append(CatalogItem(name, kind.title, keys, (*choices, *kind.aliases)))
-    return found
+        items.append(CatalogItem(name, kind.title, keys, (*choices, *kind.aliases)))
+    return items
 
 
 def _sorts(
@@ -214,8 +215,8 @@ def _sorts(
 ) -> list[CatalogItem]:
     """Sorts of a record: the types of a force, or the keys that say which driver it is."""
     return [
-        CatalogItem(name, titles[name], _meanings(record, (*before, *own, *also)))
-        for name, own in keys.items()
+        CatalogItem(name, titles[name], _meanings(record, (*before, *named, *also)))
+        for name, named in keys.items()
     ]
 
 

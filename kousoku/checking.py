@@ -126,8 +126,8 @@ def verify(
 
         what = kernels(what, target=target)
     if isinstance(what, Mechanism):
-        given = GivenScene.of(what.scene)
-        with cached_solver_folder(given, what.outputs, references=True) as folder:
+        source = GivenScene.of(what.scene)
+        with cached_solver_folder(source, what.outputs, references=True) as folder:
             return verified(folder, target=target)
     if isinstance(what, Library):
         return verified(what, target=target)

@@ -41,7 +41,7 @@ class NodeMotion:
 class _Dyad:
     """A crank O1-O2 with a link O2-O3, where O3 is on a slider's line or on a link O4-O3."""
 
-    given: Input
+    drive: Input
     center: str
     pin: str
     end: str
@@ -70,25 +70,25 @@ def closed_form(scene: Scene, divisions: int, rows: int) -> NodeMotion | None:
         return None
     crank, rod = (_length(scene, dyad.pin, other) for other in (dyad.center, dyad.end))
     alphas: dict[float, int] = {}  # the turns repeat their angles, bit for bit
-    place = [
+    indices = [
         alphas.setdefault(alpha, len(alphas))
-        for alpha in input_values(dyad.given, divisions, range(rows)).tolist()
+        for alpha in input_values(dyad.drive, divisions, range(rows)).tolist()
     ]
-    moved = []
+    motions = []
     side = 0
     for alpha in alphas:
         arm = crank * CONTEXT.expj(CONTEXT.mpf(alpha))
-        rate, rate_dot = CONTEXT.mpf(dyad.given.rate), CONTEXT.mpf(dyad.given.acceleration)
+        rate, rate_dot = CONTEXT.mpf(dyad.drive.rate), CONTEXT.mpf(dyad.drive.acceleration)
         pin = (_at(scene, dyad.center) + arm, 1j * rate * arm, (1j * rate_dot - rate**2) * arm)
         ends = _intersections(scene, dyad, pin[0], rod)
         if not side:
-            near = _at(scene, dyad.end)
-            side = 1 if abs(ends[0] - near) <= abs(ends[1] - near) else -1
+            drawn = _at(scene, dyad.end)
+            side = 1 if abs(ends[0] - drawn) <= abs(ends[1] - drawn) else -1
         end = ends[0] if side > 0 else ends[1]
-        moved.append((pin, (end, *_derivatives(scene, dyad, pin, end))))
+        motions.append((pin, (end, *_derivatives(scene, dyad, pin, end))))
     tables: list[dict[str, Array]] = [
         {
-            node: np.array([[float(m[n][d].real), float(m[n][d].imag)] for m in moved])[place]
+            node: np.array([[float(m[n][d].real), float(m[n][d].imag)] for m in motions])[indices]
             for n, node in enumerate((dyad.pin, dyad.end))
         }
         for d in range(3)
@@ -107,9 +107,9 @@ def errors_of(scene: Scene, motion: Any) -> dict[str, float] | None:
         "acceleration": (motion.accelerations, exact.accelerations),
     }
     return {
-        name: max(float(np.hypot(*(got[node] - wanted[node]).T).max()) for node in wanted)
-        for name, (got, wanted) in pairs.items()
-        if got
+        name: max(float(np.hypot(*(computed[node] - expected[node]).T).max()) for node in expected)
+        for name, (computed, expected) in pairs.items()
+        if computed
     }
 
 
@@ -122,9 +122,9 @@ def _recognise(scene: Scene) -> _Dyad | None:
     inputs = list(scene.inputs.values())
     if len(inputs) != 1 or inputs[0].link not in links or scene.rigid:
         return None
-    given = inputs[0]
-    center = given.about or ""
-    ends = links.pop(given.link or "")
+    drive = inputs[0]
+    center = drive.about or ""
+    ends = links.pop(drive.link or "")
     pin = ends[1] if ends[0] == center else ends[0]
     if center not in fixed or pin in fixed:
         return None
@@ -135,12 +135,12 @@ def _recognise(scene: Scene) -> _Dyad | None:
     end = rod[1] if rod[0] == pin else rod[0]
     sliders = list(scene.sliders.values())
     if not links and len(sliders) == 1 and sliders[0].node == end:
-        return _Dyad(given, center, pin, end, slider=sliders[0])
+        return _Dyad(drive, center, pin, end, slider=sliders[0])
     if len(links) == 1 and not sliders:
         (levers,) = links.values()
         pivot = levers[1] if levers[0] == end else levers[0]
         if end in levers and end not in fixed and pivot in fixed:
-            return _Dyad(given, center, pin, end, pivot=pivot)
+            return _Dyad(drive, center, pin, end, pivot=pivot)
     return None
 
 
@@ -150,7 +150,9 @@ def _at(scene: Scene, node: str) -> Any:
 
 
 def _length(scene: Scene, first: str, second: str) -> Any:
-    link = next(name for name, it in scene.links.items() if set(it.nodes) == {first, second})
+    link = next(
+        name for name, record in scene.links.items() if set(record.nodes) == {first, second}
+    )
     return CONTEXT.mpf(scene.length(link))
 
 
@@ -164,14 +166,14 @@ def _intersections(scene: Scene, dyad: _Dyad, pin: Any, rod: Any) -> tuple[Any, 
     """Intersections: two places where the end of the rod can be."""
     if dyad.slider is not None:
         point, along = _line(dyad.slider)
-        seen = (pin - point) / along
-        half = CONTEXT.sqrt(rod**2 - seen.imag**2)
-        return point + along * (seen.real + half), point + along * (seen.real - half)
+        local = (pin - point) / along
+        half = CONTEXT.sqrt(rod**2 - local.imag**2)
+        return point + along * (local.real + half), point + along * (local.real - half)
     lever = _length(scene, dyad.end, dyad.pivot)
-    way = _at(scene, dyad.pivot) - pin
-    foot = (rod**2 - lever**2 + abs(way) ** 2) / (2 * abs(way))
+    offset = _at(scene, dyad.pivot) - pin
+    foot = (rod**2 - lever**2 + abs(offset) ** 2) / (2 * abs(offset))
     height = CONTEXT.sqrt(rod**2 - foot**2)
-    unit = way / abs(way)
+    unit = offset / abs(offset)
     return pin + unit * (foot + 1j * height), pin + unit * (foot - 1j * height)
 
 

@@ -67,16 +67,16 @@ def derive(
     for row, value in enumerate(constraint.components):
         _require_varies(name, row, value.free_symbols)
     derivation = derive_constraint(constraint)
-    for row, parts in enumerate(derivation.C_q.tolist()):
-        _require_varies(name, row, any(parts))
+    for row, derivatives in enumerate(derivation.C_q.tolist()):
+        _require_varies(name, row, any(derivatives))
     return derivation
 
 
-def _require_varies(name: str, row: int, found: object) -> None:
-    """Refuse a row of an own constraint in which nothing is found that varies."""
+def _require_varies(name: str, row: int, varying: object) -> None:
+    """Refuse a row of a constraint of one's own in which nothing varies."""
     from kousoku.model.errors import DerivationError
 
-    if not found:
+    if not varying:
         raise DerivationError(
             f"{name}: row {row} of C constrains nothing: its row of C_q is zero wherever the"
             " bodies are; wanted vectors of body('i') or body('j') that vary against each"

@@ -29,28 +29,34 @@ def columns_of(bodies: Sequence[MovingBody]) -> tuple[str, ...]:
 
 def rows_of(system: System, rows: Iterable[ConstraintEquation]) -> Iterator[str]:
     """Labels of the rows: joint or driver, kind, component."""
-    own = Counter((one.joint, one.kind) for one in system.constraints)
+    counts = Counter((constraint.joint, constraint.kind) for constraint in system.constraints)
     numbers: dict[int, int] = {}
     seen: Counter[tuple[str, str]] = Counter()
-    for place, one in enumerate(system.constraints):
-        seen[one.joint, one.kind] += 1
-        numbers[place] = seen[one.joint, one.kind] if own[one.joint, one.kind] > 1 else 0
+    for index, constraint in enumerate(system.constraints):
+        seen[constraint.joint, constraint.kind] += 1
+        numbers[index] = (
+            seen[constraint.joint, constraint.kind]
+            if counts[constraint.joint, constraint.kind] > 1
+            else 0
+        )
     for row in rows:
-        one = system.constraints[row.instance]
-        number = f" {numbers[row.instance]}" if numbers[row.instance] and not one.terms else ""
-        yield f"{one.joint}: {_component(system, one, row.row)}{number}"
+        constraint = system.constraints[row.instance]
+        number = (
+            f" {numbers[row.instance]}" if numbers[row.instance] and not constraint.terms else ""
+        )
+        yield f"{constraint.joint}: {_component(system, constraint, row.row)}{number}"
 
 
-def _component(system: System, one: Instance, row: int) -> str:
+def _component(system: System, constraint: Instance, row: int) -> str:
     """Kind and component of a row of an instance; of a combination the coordinates in it."""
-    if one.terms:
-        return " and ".join(system.coordinates[term.coordinate].name for term in one.terms)
-    if is_own(one.kind):
-        return f"{kind_name(one.kind)} {row}"
-    kind, axis = base_and_axis(one.kind)
-    of_axis = "′" if axis else ""
-    components = components_of(one.kind)
-    return f"{kind} {'xyz'[components[row]]}{of_axis}" if components else kind
+    if constraint.terms:
+        return " and ".join(system.coordinates[term.coordinate].name for term in constraint.terms)
+    if is_own(constraint.kind):
+        return f"{kind_name(constraint.kind)} {row}"
+    kind, axis = base_and_axis(constraint.kind)
+    prime = "′" if axis else ""
+    components = components_of(constraint.kind)
+    return f"{kind} {'xyz'[components[row]]}{prime}" if components else kind
 
 
 def is_turn(column: str) -> bool:

@@ -31,10 +31,10 @@ if TYPE_CHECKING:
     from kousoku.model.records.planar import Input, Slider
     from kousoku.model.records.scene import Scene
 
-#: Where an element has its rotations, by the row that belongs to each.
+#: Index of the rotation of an element that each of its rows determines.
 ROTATION = {1: 2, 2: 5}
-#: Where it has x and y of its nodes.
-PLACES = [0, 1, 3, 4]
+#: Indices of x and y of its two nodes.
+TRANSLATIONS = [0, 1, 3, 4]
 
 
 class LinkageRow(NamedTuple):
@@ -43,9 +43,9 @@ class LinkageRow(NamedTuple):
     Parameters
     ----------
     label, unit : str
-        What it is, and the unit of its residual.
+        Its name, and the unit of its residual.
     C, nu, gamma : float
-        Residual, and what C_q v and C_q v̇ are.
+        Residual, and the right sides of C_q v = ν and C_q v̇ = γ.
     C_q : (n,) array
         Its Jacobian.
     """
@@ -71,7 +71,7 @@ class LinkageEquations:
         self.scene = scene
         self.assembly = assemble(scene)
         self.columns = tuple(f"{node}.{axis}" for node in scene.nodes for axis in "xy")
-        self._place = {node: 2 * k for k, node in enumerate(scene.nodes)}
+        self._first = {node: 2 * k for k, node in enumerate(scene.nodes)}
 
     def at(self, t: float, q: npt.ArrayLike, v: npt.ArrayLike) -> list[LinkageRow]:
         """Equations at a state: those of fixed nodes, sliders, links, rotations.
@@ -84,103 +84,105 @@ class LinkageEquations:
         name, size = self.scene.name, len(self.columns)
         require_numbers(name, time=t)
         state = []
-        for what, given in (("q", q), ("v", v)):
-            array = numbers_of(name, what, given)
-            if wrong := misfit(what, array, size, "x and y of each node"):
+        for symbol, values in (("q", q), ("v", v)):
+            array = numbers_of(name, symbol, values)
+            if wrong := misfit(symbol, array, size, "x and y of each node"):
                 raise SolveError(f"{name}: {wrong}")
             state.append(array)
-        known = {key: _law(given, float(t)) for key, given in self.scene.inputs.items()}
+        laws = {key: _law(record, float(t)) for key, record in self.scene.inputs.items()}
         try:
             return [
-                *self._fixed(state[0]),
-                *self._sliding(state[0], known),
-                *self._of_links(state[0], state[1], known),
+                *self._fixed_rows(state[0]),
+                *self._slider_rows(state[0], laws),
+                *self._link_rows(state[0], state[1], laws),
             ]
         except ZeroDivisionError:
             raise SolveError(f"{name}: the two nodes of a link coincide at this state") from None
 
-    def _fixed(self, q: Array) -> Iterator[LinkageRow]:
+    def _fixed_rows(self, q: Array) -> Iterator[LinkageRow]:
         for name, node in self.scene.nodes.items():
             for k, axis in enumerate("xy") if node.fixed else ():
-                place = self._place[name] + k
-                jacobian = np.eye(len(q))[place]
+                column = self._first[name] + k
+                jacobian = np.eye(len(q))[column]
                 yield LinkageRow(
-                    f"{name}: fixed {axis}", self.scene.unit, q[place] - node.at[k], 0, 0, jacobian
+                    f"{name}: fixed {axis}", self.scene.unit, q[column] - node.at[k], 0, 0, jacobian
                 )
 
-    def _sliding(self, q: Array, known: Mapping[str, Sequence[float]]) -> Iterator[LinkageRow]:
+    def _slider_rows(self, q: Array, laws: Mapping[str, Sequence[float]]) -> Iterator[LinkageRow]:
         """Equations of sliders: they stay on their lines, and are where inputs put them."""
         for name, slider in self.scene.sliders.items():
             along = self._direction(slider)
             across = np.array([-along[1], along[0]])
-            yield self._on(f"{name}: across", slider, across, q, (0.0, 0.0, 0.0))
-            for key, given in self.scene.inputs.items():
-                if given.slider == name:
-                    yield self._on(f"{key}: {name}", slider, along, q, known[key])
+            yield self._along(f"{name}: across", slider, across, q, (0.0, 0.0, 0.0))
+            for key, record in self.scene.inputs.items():
+                if record.slider == name:
+                    yield self._along(f"{key}: {name}", slider, along, q, laws[key])
 
     @staticmethod
     def _direction(slider: Slider) -> Array:
         x, y = map(Fraction, slider.direction)
-        return np.array([float(part) for part in unit_vector(x, y)])
+        return np.array([float(component) for component in unit_vector(x, y)])
 
-    def _on(
+    def _along(
         self, label: str, slider: Slider, along: Array, q: Array, law: Sequence[float]
     ) -> LinkageRow:
-        """Equation of a node that is so far along a direction, from the origin of its line."""
-        first, jacobian = self._place[slider.node], np.zeros(len(q))
+        """Equation of a node whose distance along a direction, from its line's origin, is given."""
+        first, jacobian = self._first[slider.node], np.zeros(len(q))
         jacobian[first : first + 2] = along
-        far = along @ (q[first : first + 2] - np.array(slider.through, float))
-        return LinkageRow(label, self.scene.unit, float(far) - law[0], law[1], law[2], jacobian)
+        distance = along @ (q[first : first + 2] - np.array(slider.through, float))
+        return LinkageRow(
+            label, self.scene.unit, float(distance) - law[0], law[1], law[2], jacobian
+        )
 
-    def _of_links(
-        self, q: Array, v: Array, known: Mapping[str, Sequence[float]]
+    def _link_rows(
+        self, q: Array, v: Array, laws: Mapping[str, Sequence[float]]
     ) -> Iterator[LinkageRow]:
         """Equations of links: they keep their lengths, and prescribed angles."""
         angles: dict[int, list[LinkageRow]] = {}
         for element in self.assembly.elements:
             for row in element.rows:
-                found = self._row(element, row, q, v)
+                equation = self._row(element, row, q, v)
                 if row:
-                    angles.setdefault(element.ends[ROTATION[row]].coordinate, []).append(found)
+                    angles.setdefault(element.ends[ROTATION[row]].coordinate, []).append(equation)
                 else:
-                    yield found
+                    yield equation
         for coordinate, (first, *others) in angles.items():
             record = self.assembly.coordinates[coordinate]
             if record.role is Role.INPUT:
-                law = known[record.name]
-                for own in (first, *others):
-                    yield own._replace(
-                        label=f"{record.name}: {own.label}",
-                        C=math.remainder(own.C + law[0], math.tau),
-                        nu=own.nu - law[1],
-                        gamma=own.gamma - law[2],
+                law = laws[record.name]
+                for other in (first, *others):
+                    yield other._replace(
+                        label=f"{record.name}: {other.label}",
+                        C=math.remainder(other.C + law[0], math.tau),
+                        nu=other.nu - law[1],
+                        gamma=other.gamma - law[2],
                     )
                 continue
-            for own in others:
-                yield own._replace(
-                    label=f"{first.label} and {own.label}: rigid",
-                    C=math.remainder(own.C - first.C, math.tau),
-                    nu=own.nu - first.nu,
-                    gamma=own.gamma - first.gamma,
-                    C_q=own.C_q - first.C_q,
+            for other in others:
+                yield other._replace(
+                    label=f"{first.label} and {other.label}: rigid",
+                    C=math.remainder(other.C - first.C, math.tau),
+                    nu=other.nu - first.nu,
+                    gamma=other.gamma - first.gamma,
+                    C_q=other.C_q - first.C_q,
                 )
 
     def _row(self, element: LinkElement, row: int, q: Array, v: Array) -> LinkageRow:
-        """ε1, or ε2 or ε3 by the rotation that it has, with that rotation at zero."""
-        places = [self._place[node] + k for node in element.nodes for k in (0, 1)]
+        """ε1, or ε2 or ε3 per radian of its rotation, with that rotation at zero."""
+        columns = [self._first[node] + k for node in element.nodes for k in (0, 1)]
         x, x_dot = [0.0] * 6, [0.0] * 6
-        for end, place in zip(PLACES, places, strict=True):
-            x[end], x_dot[end] = float(q[place]), float(v[place])
-        for end in ROTATION.values():
-            x[end] = float(element.ends[end].offset)
+        for slot, column in zip(TRANSLATIONS, columns, strict=True):
+            x[slot], x_dot[slot] = float(q[column]), float(v[column])
+        for slot in ROTATION.values():
+            x[slot] = float(element.ends[slot].offset)
         inputs = {"x": x, "length": [float(element.length)], "offset": [0.0, 0.0]}
         shape = evaluate(link_kernels()["deformation"], inputs, FLOAT)
         rate = evaluate(link_kernels()["rate"], inputs | {"x_dot": x_dot}, FLOAT)
         derivatives = shape["D"][6 * row : 6 * row + 6]
         factor = 1 / derivatives[ROTATION[row]] if row else 1.0
         jacobian = np.zeros(len(q))
-        for end, place in zip(PLACES, places, strict=True):
-            jacobian[place] += factor * derivatives[end]
+        for slot, column in zip(TRANSLATIONS, columns, strict=True):
+            jacobian[column] += factor * derivatives[slot]
         return LinkageRow(
             f"{element.name} at {element.nodes[row - 1]}" if row else f"{element.name}: length",
             "rad" if row else self.scene.unit,
@@ -191,7 +193,7 @@ class LinkageEquations:
         )
 
 
-def _law(given: Input, t: float) -> tuple[float, float, float]:
+def _law(record: Input, t: float) -> tuple[float, float, float]:
     """Value that an input prescribes, and its first and second derivatives."""
-    start, rate, second = map(float, (given.start, given.rate, given.acceleration))
+    start, rate, second = map(float, (record.start, record.rate, record.acceleration))
     return start + rate * t + second / 2 * t * t, rate + second * t, second

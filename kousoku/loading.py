@@ -25,7 +25,7 @@ from kousoku.model.errors import (
 from kousoku.model.files.cache import cache_folder, shrink, size_limit, touch, write_atomically
 from kousoku.model.files.manifest import MANIFEST_FILE
 from kousoku.own_kinds import own_kinds
-from kousoku.progress import told
+from kousoku.progress import status_line
 from kousoku.runtime.messages import shown
 from kousoku.runtime.solver import load_solver
 
@@ -90,9 +90,9 @@ def load(
     >>> run = loop.simulate(2, parameters={"mass": 2})
     """
     given = GivenScene.of(scene, own_kinds(kinds))
-    wanted = None if outputs is None else _outputs_of(outputs)
-    solver, text = opened(given, wanted, target)
-    return Mechanism(solver, text, given.file, wanted)
+    chosen = None if outputs is None else _outputs_of(outputs)
+    solver, text = opened(given, chosen, target)
+    return Mechanism(solver, text, given.file, chosen)
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +104,7 @@ class GivenScene:
     file : str
         The file that it was read from, empty where it is none.
     data : bytes
-        What tells it from other scenes.
+        Its content, by which the cache finds it.
     read : callable
         Returns the checked scene.
     """
@@ -142,7 +142,7 @@ class GivenScene:
         if isinstance(scene, str) and ("\n" in scene or ("=" in scene and not _is_path(scene))):
             from kousoku.model.reading.read import scene_from_toml
 
-            return cls("", _told(scene, kinds), partial(scene_from_toml, scene, kinds=kinds))
+            return cls("", _signature(scene, kinds), partial(scene_from_toml, scene, kinds=kinds))
         if isinstance(scene, str) and not scene.strip():
             raise SceneError(f"{scene!r} is no scene; wanted the path of a scene file, or its text")
         if isinstance(scene, str | os.PathLike):
@@ -166,11 +166,11 @@ class GivenScene:
                 raise SceneError("is a folder; wanted a scene file", file=str(path))
         text = scene_text(path)
         read = partial(scene_from_toml, text, file=str(path), kinds=kinds)
-        return cls(str(path), _told(text, kinds), read)
+        return cls(str(path), _signature(text, kinds), read)
 
 
-def _told(text: str, kinds: Mapping[str, OwnKind] | None) -> bytes:
-    """Signature of a text, which tells it from others, and the kinds that it may be made of."""
+def _signature(text: str, kinds: Mapping[str, OwnKind] | None) -> bytes:
+    """Content of a scene for the cache: its text, and the kinds of one's own that it may have."""
     names = [kind.kernels for kind in (kinds or {}).values()]
     return "\n".join([text, *(f"#kind {name}" for name in names)]).encode()
 
@@ -194,7 +194,7 @@ def opened(given: GivenScene, outputs: Sequence[str] | None, target: Target) -> 
         with cached_solver_folder(given, outputs, anew=is_last) as folder:
             try:
                 text = (folder.parent / SCENE_FILE).read_text(encoding="utf-8")
-                with told() as tell:
+                with status_line() as tell:
                     tell(f"compiling {folder.name}")
                     return load_solver(folder, target=target), text
             except OSError as error:  # somebody cleared the cache: once more
@@ -239,21 +239,21 @@ def cached_solver_folder(
     limit = size_limit()
     options = json.dumps([outputs, references])
     by_bytes = cache_key(given.data, options)
-    folder = None if anew else _look(_found(by_bytes), options)
+    folder = None if anew else _cached_solver(_noted_key(by_bytes), options)
     if folder is not None:
         yield folder
         return
-    with told() as tell, naming(given.file):
+    with status_line() as tell, naming(given.file):
         tell(f"reading {given.file or 'the scene'}")
         scene = given.read()
         text = _text(scene)
         key = cache_key(text, options)
-        folder = None if anew else _look(key, options)
+        folder = None if anew else _cached_solver(key, options)
         if folder is None:
             tell(f"generating {scene.name}")
             tree = generated(scene, outputs, references=references)
     if folder is not None:
-        _note_found(by_bytes, key)
+        _note_key(by_bytes, key)
         yield folder
         return
     try:
@@ -261,8 +261,8 @@ def cached_solver_folder(
     except OSError as error:  # a full or read-only cache: it is needed only until it is loaded
         with ExitStack() as stack:
             try:
-                place = stack.enter_context(tempfile.TemporaryDirectory())
-                folder = _written(Path(place), scene.name, text, tree)
+                temporary = stack.enter_context(tempfile.TemporaryDirectory())
+                folder = _written(Path(temporary), scene.name, text, tree)
             except OSError as other:
                 raise CacheError(
                     f"{scene.name}: cannot write the cache: {error}; nor a temporary folder:"
@@ -271,7 +271,7 @@ def cached_solver_folder(
                 ) from None
             yield folder
             return
-    _note_found(by_bytes, key)
+    _note_key(by_bytes, key)
     yield folder
     with suppress(OSError):
         shrink(limit)
@@ -300,12 +300,12 @@ def generated(
 
     from kousoku.codegen.linkage.generate import generate_linkage
 
-    wanted = scene if outputs is None else msgspec.structs.replace(scene, outputs=tuple(outputs))
-    return generate_linkage(wanted, references=references)
+    reduced = scene if outputs is None else msgspec.structs.replace(scene, outputs=tuple(outputs))
+    return generate_linkage(reduced, references=references)
 
 
 def _written(shelf: Path, name: str, text: str, tree: Mapping[str, str]) -> Path:
-    """Write a solver and the text of its scene; the text comes last, and says that all is there."""
+    """Write a solver, then the text of its scene: with it the folder is complete."""
     from kousoku.codegen.generate import write_tree
 
     write_tree(shelf / name, tree)
@@ -313,7 +313,7 @@ def _written(shelf: Path, name: str, text: str, tree: Mapping[str, str]) -> Path
     return shelf / name
 
 
-def _look(key: str, options: str) -> Path | None:
+def _cached_solver(key: str, options: str) -> Path | None:
     """Folder of the solver that the cache holds under a key, with its own scene."""
     try:
         shelf = cache_folder() / "scenes" / key
@@ -332,16 +332,16 @@ def stamp() -> str:
 
     In a checkout the version stays while the generator changes.
     """
-    listed = [version.__version__]
+    entries = [version.__version__]
     root = Path(version.__file__).parents[1]  # of all sub-packages, installed or not
-    for place in (root / part for part in SOURCES):
-        for folder, folders, names in os.walk(place):
-            folders[:] = sorted(name for name in folders if name != "__pycache__")
+    for source_root in (root / part for part in SOURCES):
+        for folder, subfolders, names in os.walk(source_root):
+            subfolders[:] = sorted(name for name in subfolders if name != "__pycache__")
             for name in sorted(names):
                 with suppress(OSError):
                     status = (Path(folder) / name).stat()
-                    listed.append(f"{name} {status.st_size} {status.st_mtime_ns}")
-    return hashlib.sha256("\n".join(listed).encode()).hexdigest()
+                    entries.append(f"{name} {status.st_size} {status.st_mtime_ns}")
+    return hashlib.sha256("\n".join(entries).encode()).hexdigest()
 
 
 def cache_key(*parts: str | bytes) -> str:
@@ -354,16 +354,16 @@ def cache_key(*parts: str | bytes) -> str:
     return digest.hexdigest()[:32]
 
 
-def _note_found(given: str, key: str) -> None:
-    """Note which scene was given with some bytes."""
+def _note_key(digest: str, key: str) -> None:
+    """Note the key of the scene with the content of a digest."""
     with suppress(OSError):
-        write_atomically(cache_folder() / "found" / given, key.encode())
+        write_atomically(cache_folder() / "found" / digest, key.encode())
 
 
-def _found(given: str) -> str:
-    """Key of the scene that was given with some bytes, empty if that is not known."""
+def _noted_key(digest: str) -> str:
+    """Noted key of the scene with the content of a digest, empty if there is none."""
     try:
-        path = cache_folder() / "found" / given
+        path = cache_folder() / "found" / digest
         key = path.read_text(encoding="ascii")
     except (OSError, ValueError):
         return ""
@@ -386,10 +386,10 @@ def _text(scene: Scene) -> str:
 
 
 def _outputs_of(outputs: object) -> list[str]:
-    """Names of outputs as a list; one name alone is meant as a list of it."""
+    """Names of outputs as a list, also of a single name."""
     if isinstance(outputs, str):
         return [outputs]
-    if isinstance(outputs, list | tuple) and all(isinstance(one, str) for one in outputs):
+    if isinstance(outputs, list | tuple) and all(isinstance(name, str) for name in outputs):
         return list(outputs)
     raise SceneError(f"outputs {shown(outputs)}; wanted a list of names such as 'reactions'")
 

@@ -50,7 +50,7 @@ class Mechanism:
     Parameters
     ----------
     solver : DynamicsSolver or LinkageSolver
-        What computes.
+        Its solver.
     text : str
         The scene as TOML.
     file : str
@@ -106,7 +106,7 @@ class Mechanism:
         return _Files({name: data.decode() for name, data in files.items()})
 
     def __repr__(self) -> str:
-        facts = ", ".join(counted(*one) for one in self.solver.counts)
+        facts = ", ".join(counted(*count) for count in self.solver.counts)
         return f"<Mechanism {self.name}: {facts}; in {self.target}>"
 
     def _repr_html_(self) -> str:
@@ -226,7 +226,7 @@ class Mechanism:
         SolveError
             An option is not possible, or no inputs determine the motion.
         """
-        given = {
+        arguments = {
             "divisions": divisions,
             "method": method,
             "turns": turns,
@@ -235,7 +235,7 @@ class Mechanism:
             "limit": limit,
             "parameters": parameters or None,
         }
-        options = {name: value for name, value in given.items() if value is not None}
+        options = {name: value for name, value in arguments.items() if value is not None}
         with self._passed_on():
             return self.result_of(self.solver.along_inputs(self._times_of_inputs, options))
 
@@ -310,7 +310,7 @@ class Mechanism:
         """
         from kousoku.state_matrices import matrices
 
-        parameters, angles = self._known(q, parameters, angles)
+        parameters, angles = self._completed(q, parameters, angles)
         return matrices(self.scene, t, q, v, parameters, angles=angles)
 
     def evaluate(
@@ -335,13 +335,13 @@ class Mechanism:
         from kousoku.state_matrices import evaluate
 
         solver = self.solver.of_bodies("accelerations")
-        parameters, angles = self._known(q, parameters, angles)
-        found = evaluate(self.scene, solver, t, q, v, parameters, angles=angles)
-        for note in found.notes:
+        parameters, angles = self._completed(q, parameters, angles)
+        evaluation = evaluate(self.scene, solver, t, q, v, parameters, angles=angles)
+        for note in evaluation.notes:
             warnings.warn(note, stacklevel=2)
-        return found
+        return evaluation
 
-    def _known(
+    def _completed(
         self,
         q: object,
         parameters: Mapping[str, float | str] | None,

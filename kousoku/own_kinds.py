@@ -45,15 +45,15 @@ def own_kinds(kinds: Sequence[Kind] | None) -> Mapping[str, OwnKind]:
         raise DerivationError(f"kinds: {shown(kinds)} is no list; wanted one, such as kinds=[mine]")
     from kousoku.codegen.dynamics.own_kinds import own_kind_of
 
-    found: dict[str, OwnKind] = {}
-    for one in kinds:
-        package = _package(one)
+    by_name: dict[str, OwnKind] = {}
+    for source in kinds:
+        package = _package(source)
         kind = own_kind_of(package)
-        if found.setdefault(package.name, kind) != kind:
+        if by_name.setdefault(package.name, kind) != kind:
             raise DerivationError(
                 f"kinds: two kinds are called {package.name}; wanted a name of its own for each"
             )
-    return found
+    return by_name
 
 
 def _package(kind: object) -> Package:

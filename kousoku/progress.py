@@ -23,7 +23,7 @@ def _is_notebook() -> bool:
 
 
 @contextmanager
-def told() -> Iterator[Callable[[str], object]]:
+def status_line() -> Iterator[Callable[[str], object]]:
     """Display of a line, such as ``generating loop``, until the next one or the end."""
     if not is_watched():
         yield lambda text: None

@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 
 #: Bodies and joints that are drawn where none is named.
 MOST_PARTS = 12
-#: What is smaller, as a part of the largest number of its kind, is rounding.
+#: Part of the largest number of its kind below which a curve is rounding.
 CURVE_NOISE = 1e-9
-#: What a table is called on an axis.
+#: Labels of axes, by table.
 LABELS = {
     "positions": "position",
     "velocities": "velocity",
@@ -41,7 +41,7 @@ LABELS = {
     "coordinate_rate": "",
     "coordinate_acceleration": "",
 }
-#: How components are told in a legend.
+#: Names of components in a legend, by their count.
 LETTERS = {3: ("x", "y", "z"), 2: ("x", "y"), 4: ("e0", "e1", "e2", "e3")}
 
 
@@ -52,7 +52,7 @@ class PlotPanel:
     Parameters
     ----------
     label : str
-        What they are, with their unit.
+        Their quantity and unit.
     curves : mapping of str to (n,) array
         The curves by name.
     size : float
@@ -92,10 +92,10 @@ def plot(result: Result, *columns: str) -> Figure:
             raise SolveError(f"{result.name}: no column {shown(name)}; wanted names, one by one")
     main = (x for x in result.main_columns() if result.places[x].table != "inputs")
     names = list(columns) or [*main, *_efforts(result)]
-    wanted = [x for name in names for x in result.columns_of(name)]
-    if {*wanted} == {"time"}:
+    chosen = [x for name in names for x in result.columns_of(name)]
+    if {*chosen} == {"time"}:
         raise SolveError(f"{result.name}: time is what columns are drawn over; name another column")
-    return _figure(result, list(_panels(result, wanted, asked={*columns})))
+    return _figure(result, list(_panels(result, chosen, asked={*columns})))
 
 
 def draw_into(
@@ -119,8 +119,8 @@ def draw_into(
         return [path]
     path.mkdir(parents=True, exist_ok=True)
     files = []
-    for what, figure in figures_of(result, columns=columns, of=of).items():
-        files.append(path / f"{result.name}_{what}.svg")
+    for name, figure in figures_of(result, columns=columns, of=of).items():
+        files.append(path / f"{result.name}_{name}.svg")
         save(figure, files[-1])
     return files
 
@@ -152,22 +152,24 @@ def figures_of(
     for name in (*bodies[:MOST_PARTS], *(joints[:MOST_PARTS] if of is None else [])):
         groups[name] = result.columns_of(name)
     groups["drivers"] = [x for name in drivers for x in result.columns_of(name)]
-    groups["energies"] = [x for x, it in result.places.items() if it.table in {"energy", "work"}]
-    found = {}
-    for name, own in groups.items():
+    groups["energies"] = [
+        x for x, place in result.places.items() if place.table in {"energy", "work"}
+    ]
+    figures = {}
+    for name, members in groups.items():
         title = name if name in bodies or name in joints else ""
-        if panels := list(_panels(result, own, title)):
-            found[name] = _figure(result, panels, title)
-    return found
+        if panels := list(_panels(result, members, title)):
+            figures[name] = _figure(result, panels, title)
+    return figures
 
 
 def _efforts(result: Result) -> list[str]:
     """Columns of forces of drivers, where they are known, without those that are zero."""
     if not (isinstance(result, Motion) and result.force):
         return []
-    known = {x: result.places[x].table for name in result.drivers for x in result.columns_of(name)}
-    sizes = {table: max(map(_largest, getattr(result, table).values())) for table in known.values()}
-    return [x for x, table in known.items() if _largest(result[x]) > CURVE_NOISE * sizes[table]]
+    tables = {x: result.places[x].table for name in result.drivers for x in result.columns_of(name)}
+    sizes = {x: max(map(_largest, getattr(result, x).values())) for x in tables.values()}
+    return [x for x, table in tables.items() if _largest(result[x]) > CURVE_NOISE * sizes[table]]
 
 
 def _panels(
@@ -196,22 +198,22 @@ def _panels(
         label = label.replace("_", " ")
         if not owner and len(curves) == 1 and not label:
             label = next(iter(curves))
-        known, unit, size = f"{of}{label}".strip(), written, _size(result, table, written)
+        text, unit, size = f"{of}{label}".strip(), written, _size(result, table, written)
         if isinstance(result, Motion) and table in IN_METRES:  # mm and cm have no newtons
             factor = result.layout.unit ** (2 if "u²" in UNITS[table] else 1)
-            curves = {own: factor * values for own, values in curves.items()}
+            curves = {curve: factor * values for curve, values in curves.items()}
             unit, size = IN_METRES[table], factor * size
-        panel = PlotPanel(f"{known} [{unit}]".strip(), curves, size)
+        panel = PlotPanel(f"{text} [{unit}]".strip(), curves, size)
         if is_asked or not panel.is_noise or len(groups) == 1:
             yield panel
 
 
 def _curves(result: Result, table: str, owner: str, names: Sequence[str]) -> dict[str, Array]:
-    """Curves of a panel by the part of their names that tells them apart."""
+    """Curves of a panel by the distinctive part of their names."""
     if not owner:
         places = (result.places[name] for name in names)
-        shown = [f"{place.owner or place.table}{COORDINATE.get(table, '')}" for place in places]
-        return dict(zip(shown, map(result.__getitem__, names), strict=True))
+        labels = [f"{place.owner or place.table}{COORDINATE.get(table, '')}" for place in places]
+        return dict(zip(labels, map(result.__getitem__, names), strict=True))
     values = getattr(result, table)[owner]
     letters = LETTERS[values.shape[1]] if values.ndim > 1 else ("",)
     numbers = [result.places[name].component or 0 for name in names]
@@ -234,10 +236,10 @@ def _center(result: Result, body: str, origin: Mapping[str, Array]) -> dict[str,
 def _size(result: Result, table: str, unit: str) -> float:
     """Largest number of a table in the whole run."""
     values = getattr(result, table)
-    own = {name: place for name, place in result.places.items() if place.table == table}
-    same = {place.owner for place in own.values() if place.unit == unit}
-    found = [_largest(values[owner]) for owner in same if owner in values]
-    size = max(found, default=0.0)
+    places = {name: place for name, place in result.places.items() if place.table == table}
+    owners = {place.owner for place in places.values() if place.unit == unit}
+    sizes = [_largest(values[owner]) for owner in owners if owner in values]
+    size = max(sizes, default=0.0)
     if isinstance(result, Motion):
         size = max(size, _turning(result, table))
     return size or 1.0

@@ -26,16 +26,16 @@ if TYPE_CHECKING:
 
 #: Begins the names of arrays that are no columns: no part of a scene has a name with it.
 OWN = "kousoku/"
-#: The second has a digest of the content.
+#: Version of the format; the second has a digest of the content.
 RESULT_FORMAT = 2
 #: Characters of a reason that a message shows.
 LONGEST_REASON = 160
-#: What is kept of a linkage beside its tables.
+#: Fields of a linkage that are kept beside its tables.
 OF_LINKAGES = ("name", "unit", "method", "divisions", "target", "is_in_time", "links")
 
 
 class FileFormat(msgspec.Struct, kw_only=True):
-    """Format of a file, which it says first.
+    """Format of a file, its first field.
 
     Parameters
     ----------
@@ -54,19 +54,19 @@ class KeptMotion(FileFormat, tag="bodies", kw_only=True):
     scene : str
         As TOML.
     layout : Layout
-        What stands where in a row.
+        Columns of a row.
     method, target : str
-        How it was integrated, and what computed.
+        Its method, and the target that computed.
     is_complete : bool
         Whether all times are there.
     parameters : dict of str to float
         Those of the run.
     ledger, figures : str, dict
-        What the ledger says, and its numbers by name.
+        Text of the ledger, and its numbers by name.
     counts : tuple of int
-        How often each event was.
+        Count of each event.
     trust, trust_figures : str, dict
-        What the verdict says, and its numbers by name.
+        Text of the verdict, and its numbers by name.
     """
 
     scene: str
@@ -92,7 +92,7 @@ class KeptTrajectory(FileFormat, tag="nodes", kw_only=True):
     name, unit, method, divisions, target, is_in_time, links, input_units
         As in :class:`Trajectory`.
     parts : dict of str to list of str
-        For each table that there is, what it has columns of.
+        Names of the columns of each table.
     """
 
     scene: str
@@ -144,12 +144,12 @@ class KeptFigures:
     Parameters
     ----------
     text : str
-        What it says.
+        Its text.
     figures : mapping
         Its numbers by name, those that are not finite None.
     """
 
-    #: What it is, to tell what it does not have.
+    #: Its name in messages.
     NAME = "verdict"
 
     def __init__(self, text: str, figures: Mapping[str, Any]) -> None:
@@ -273,7 +273,7 @@ def open_run(path: str | Path) -> Result:
 
 def _arrays_in(path: Path) -> dict[str, Any]:
     """Arrays of a file that are no columns; those that were cut off are missed."""
-    found = {}
+    arrays = {}
     with zipfile.ZipFile(path) as archive:
         for entry in archive.namelist():
             name = entry.removesuffix(".npy")
@@ -282,11 +282,11 @@ def _arrays_in(path: Path) -> dict[str, Any]:
                     raise ValueError("it is compressed, and may be larger than any memory")
                 with archive.open(entry) as file:
                     values = np.lib.format.read_array(file, allow_pickle=False)
-                values.flags.writeable = False  # nobody can write to what others read
-                found[name.removeprefix(OWN)] = values
-    if "about" not in found:
+                values.flags.writeable = False  # results share it
+                arrays[name.removeprefix(OWN)] = values
+    if "about" not in arrays:
         raise ValueError("nothing says what its columns belong to")
-    return found
+    return arrays
 
 
 def _motion(about: KeptMotion, arrays: Mapping[str, Array]) -> Motion:
@@ -331,10 +331,10 @@ def _require_places(layout: Layout) -> None:
     sizes |= layout.sizes
     is_right = sizes["v_dot"] == sizes["v"] and sizes["energies"] == 2
 
-    def inside(part: str, places: Iterable[float], *lengths: int, least: int = 0) -> bool:
-        indices = [*places]
-        own = [place for place in indices if isinstance(place, int)]
-        return len(indices) in lengths and all(least <= x < sizes[part] for x in own)
+    def inside(field: str, positions: Iterable[float], *lengths: int, least: int = 0) -> bool:
+        indices = [*positions]
+        variable = [index for index in indices if isinstance(index, int)]
+        return len(indices) in lengths and all(least <= x < sizes[field] for x in variable)
 
     for body in layout.bodies:
         turns = 4 * bool(body.p), 3 * bool(body.p)
@@ -346,7 +346,7 @@ def _require_places(layout: Layout) -> None:
         is_right &= 0 <= joint.body < len(layout.bodies) and -1 <= joint.j < len(layout.bodies)
     for _, _, columns in layout.coordinates if sizes["coordinates"] else ():
         is_right &= inside("coordinates", columns, 2, 3)
-    is_right &= all(inside("q", [place], 1) for _, place in layout.works)
+    is_right &= all(inside("q", [index], 1) for _, index in layout.works)
     if not (is_right and 0.0 < layout.unit < np.inf and 0.0 < layout.length < np.inf):
         raise ValueError("what it says of its rows is not so")
 
@@ -357,12 +357,12 @@ def _trajectory(about: KeptTrajectory, arrays: Mapping[str, Any]) -> Trajectory:
     if iterations.shape != (rows,) or iterations.dtype.kind != "i" or (iterations < 0).any():
         raise ValueError(f"iterations: wanted {rows} counts")
     times = _checked(arrays, "times", (rows,), None) if "times" in arrays else None
-    found = {}
+    columns = {}
     for table in TABLES:
         if names := about.parts.get(table):
-            shape = (rows, len(names), *(2,) * (table in {one for one, *_ in NODE}))
-            known = None if table in {"inputs", "positions"} else 0
-            found[table] = names, _checked(arrays, table, shape, known)
+            shape = (rows, len(names), *(2,) * (table in {name for name, *_ in NODE}))
+            finite = None if table in {"inputs", "positions"} else 0
+            columns[table] = names, _checked(arrays, table, shape, finite)
     trajectory = Trajectory(
         input_units=about.input_units,
         times=times,
@@ -370,18 +370,18 @@ def _trajectory(about: KeptTrajectory, arrays: Mapping[str, Any]) -> Trajectory:
         residual=arrays["residual"],
         condition=_checked(arrays, "condition", (rows,), None),
         **{name: getattr(about, name) for name in OF_LINKAGES},
-        **named_tables(about.name, found),
+        **named_tables(about.name, columns),
     )
     trajectory.mechanism = MovedScene(about.scene, about.parts["positions"])
     return trajectory
 
 
-#: Positions beyond that are none that a motion reaches, and their squares are no numbers.
+#: Largest possible position: squares of larger ones overflow.
 LARGEST_POSITION = 1e150
 
 
 def _checked(
-    arrays: Mapping[str, Array], name: str, shape: tuple[int | None, ...], known: int | None
+    arrays: Mapping[str, Array], name: str, shape: tuple[int | None, ...], finite: int | None
 ) -> Array:
     """Array of doubles of a shape; the first columns, or all, have to be finite and possible.
 
@@ -390,16 +390,16 @@ def _checked(
     ValueError
         It is another one.
     """
-    found = arrays[name]
-    wanted = tuple(
-        own if one is None else one for one, own in zip(shape, found.shape, strict=False)
+    array = arrays[name]
+    expected = tuple(
+        actual if size is None else size for size, actual in zip(shape, array.shape, strict=False)
     )
-    if found.dtype != np.float64 or found.shape != wanted or found.ndim != len(shape):
-        raise ValueError(f"{name} is {found.dtype} {found.shape}; wanted doubles, {shape}")
-    if not np.isfinite(found[..., :known]).all():
+    if array.dtype != np.float64 or array.shape != expected or array.ndim != len(shape):
+        raise ValueError(f"{name} is {array.dtype} {array.shape}; wanted doubles, {shape}")
+    if not np.isfinite(array[..., :finite]).all():
         raise ValueError(f"{name} has numbers that are not finite")
-    if not (np.abs(found[..., :known]) <= LARGEST_POSITION).all():
+    if not (np.abs(array[..., :finite]) <= LARGEST_POSITION).all():
         raise ValueError(
             f"{name} has numbers that are too large; wanted at most {LARGEST_POSITION:g}"
         )
-    return found
+    return array

@@ -95,8 +95,8 @@ class KernelExplanation:
         names = [quantity.name for quantity in frozen.outputs]
         if not outputs:
             return frozen
-        wanted = [self._known(f"output of {kernel}", name, names) for name in outputs]
-        return with_outputs(frozen, wanted)
+        chosen = [self._known(f"output of {kernel}", name, names) for name in outputs]
+        return with_outputs(frozen, chosen)
 
     def plot(self, kernel: str | None = None, *outputs: str) -> Figure:
         """Draw the operations as bars, stage by stage; or the graph of one small kernel.
@@ -113,8 +113,8 @@ class KernelExplanation:
 
         name = self.derivation.name
         if kernel is not None:
-            what = " ".join([f"{name}: {kernel}", *([", ".join(outputs)] if outputs else [])])
-            return draw_sharing(self.graph(kernel, *outputs), title=what)
+            title = " ".join([f"{name}: {kernel}", *([", ".join(outputs)] if outputs else [])])
+            return draw_sharing(self.graph(kernel, *outputs), title=title)
         counts: dict[str, list[int]] = {}
         for stage in self.stages:
             counts.setdefault(f"{stage.level}, shared", []).append(stage.shared)
@@ -167,6 +167,6 @@ def _stage(function: Function, level: str) -> Stage:
 
 def _from_components(function: Function) -> Function:
     """Function whose component level stands in place of its matrix level."""
-    places = {x: symbol(q)[k, 0] for q in function.inputs for k, x in enumerate(elements(q))}
-    outputs = tuple(replace(o, expression=o.components.xreplace(places)) for o in function.outputs)
+    entries = {x: symbol(q)[k, 0] for q in function.inputs for k, x in enumerate(elements(q))}
+    outputs = tuple(replace(o, expression=o.components.xreplace(entries)) for o in function.outputs)
     return replace(function, outputs=outputs)

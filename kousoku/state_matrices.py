@@ -34,28 +34,26 @@ if TYPE_CHECKING:
     from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.run_ledger import Violation
 
-#: What is smaller, as a part of the largest singular value, is zero where λ is found. At states of
-#: runs of committed scenes zeros are 5e-16, of ``bricard`` with eight digits 9e-12; others 0.03 or
-#: more.
+#: Singular values below this part of the largest are zero where λ is solved for. At states of runs
+#: of committed scenes zeros are 5e-16, of ``bricard`` with eight digits 9e-12; others 0.03 or more.
 ZERO = 1e-9
-#: The square of what a row has in a dependence of rows above which its multiplier is not unique:
-#: rounding leaves 2e-15 of it there, rows that depend on others have 0.03 or more.
-TAKES_PART = 1e-10
-#: What λ may leave of the forces, and how far a state may be from what the solver has, as parts of
-#: the largest force, of length and speed: states of runs there are 5e-15 off, with eight digits
-#: 1e-11.
+#: Squared component of a row in the left null space of C_q above which its multiplier is not
+#: unique: rounding leaves 2e-15 there, rows that depend on others have 0.03 or more.
+NULL_PART = 1e-10
+#: Largest residual of the forces with λ, and distance of a state from the solver's, as parts of the
+#: largest force, of length and of speed: states of runs leave 5e-15, with eight digits 1e-11.
 LARGEST_STATE_RESIDUAL = 1e-7
-#: Speeds in lengths of the scene a second that are as good as none. Where all stands still, what
-#: rounding leaves, 3e-16 in ``heavy_top``, would be compared with itself: rows come apart only from
-#: the closure tolerance times this on, 1e-10.
-STANDS = 1e-6
-#: What rows may leave of accelerations, as a part of the largest. Rounding leaves 1e-14 of it, but
+#: Speed at rest, in lengths of the scene a second: the least that gaps of velocities are compared
+#: with. Without it rounding, 3e-16 in ``heavy_top``, would be compared with itself; rows come apart
+#: only from the closure tolerance times this on, 1e-10.
+REST_SPEED = 1e-6
+#: Largest residual of rows in accelerations, as a part of the largest. Rounding leaves 1e-14, but
 #: 3e-4 between masses of 1 and 1e-12 kg: these digits are lost, which runs win back.
 MOST_LOST = 1e-9
-#: What forces may leave where they are in balance, as a part of the largest: where a scene stands,
+#: Residual of forces in balance, as a part of the largest force: where a scene stands,
 #: accelerations are rounding, whose digits are all lost.
 BALANCED = 1e-9
-#: Rows and columns that a table in a notebook has at most.
+#: Most rows or columns of a table in a notebook.
 MOST_SHOWN = 30
 
 
@@ -68,13 +66,13 @@ class Matrices:
     name : str
         The scene.
     time : float [s]
-        When.
+        Time of the state.
     C : (m,) array
         Residuals of all rows, in the order of :attr:`rows`.
     C_q : (m, n) array
         Jacobian, in the order of :attr:`columns`.
     nu, gamma : (m,) array
-        What C_q v and C_q v̇ are.
+        Right sides of C_q v = ν and C_q v̇ = γ.
     rows : tuple of str
         Joint or driver of each row, kind, and component: those of ``point`` are in frame O, those
         of ``p1`` and ``p2`` in the principal frame of body i.
@@ -87,7 +85,7 @@ class Matrices:
         Rows that depend on the others wherever the scene moves. Of rows that depend on each other
         these can be left out; which of them is a choice.
     unknown : tuple of str
-        Joints in a loop of so many rows that nothing is known of which of theirs are redundant.
+        Joints in a loop of so many rows that it is not known which of these are redundant.
     without : str
         Why there are no M and f; empty where there are.
     mass, force : array
@@ -143,15 +141,17 @@ class Matrices:
 
     def __repr__(self) -> str:
         m, n = self.C_q.shape
-        left = [row for row, is_left in zip(self.rows, self.redundant, strict=True) if is_left]
+        redundant = [
+            row for row, is_redundant in zip(self.rows, self.redundant, strict=True) if is_redundant
+        ]
         masses = f"no M, no f: {self.without}" if self.without else f"M ({n}, {n}), f ({n},)"
         lines = [
             f"{self.name} at {self.time:.6g} s: C_q ({m}, {n}), C, nu, gamma ({m},), {masses}",
             f"  columns: {listed(self.columns)}",
             f"  rows: {listed(self.rows)}",
         ]
-        if left:
-            lines.append(f"  redundant: {listed(left)}")
+        if redundant:
+            lines.append(f"  redundant: {listed(redundant)}")
         if self.unknown:
             lines.append(f"  not known whether redundant: rows of {listed(self.unknown)}")
         return "\n".join(lines)
@@ -162,14 +162,14 @@ class Matrices:
             return f"<pre>{escape(repr(self))}</pre>"
 
         def line(cells: Sequence[object], tag: str = "td") -> str:
-            first, *rest = (escape(str(cell)) for cell in cells)
-            return f"<tr><th>{first}</th>{''.join(f'<{tag}>{x}</{tag}>' for x in rest)}</tr>"
+            heading, *entries = (escape(str(cell)) for cell in cells)
+            return f"<tr><th>{heading}</th>{''.join(f'<{tag}>{x}</{tag}>' for x in entries)}</tr>"
 
         table = [line(["C_q", *self.columns, "C", "ν", "γ"], "th")]
         numbers = np.column_stack([self.C_q, self.C, self.nu, self.gamma])
-        for row, is_left, values in zip(self.rows, self.redundant, numbers, strict=True):
+        for row, is_redundant, values in zip(self.rows, self.redundant, numbers, strict=True):
             cells = ["" if x == 0 else f"{x:.4g}" for x in values.tolist()]
-            table.append(line([f"{row} (redundant)" if is_left else row, *cells]))
+            table.append(line([f"{row} (redundant)" if is_redundant else row, *cells]))
         return f"<p>{escape(self.name)} at {self.time:.6g} s</p><table>{''.join(table)}</table>"
 
 
@@ -188,7 +188,7 @@ class Evaluation(NamedTuple):
     rows, columns : tuple of str
         As of :class:`Matrices`.
     violations : mapping of str to Violation
-        What the state, and these accelerations, leave of the constraints of each joint and driver.
+        Residuals of each joint and driver at the state, and with these accelerations.
     notes : tuple of str
         Which of them are open, or come apart, by more than the scene's closure tolerance: what is
         computed there keeps gaps from accelerating, and is no motion of the scene. And that digits
@@ -205,9 +205,11 @@ class Evaluation(NamedTuple):
 
     def __repr__(self) -> str:
         """Sizes, rows that are not unique, and notes."""
-        several = [row for row, one in zip(self.rows, self.is_unique, strict=True) if not one]
+        ambiguous = [
+            row for row, is_unique in zip(self.rows, self.is_unique, strict=True) if not is_unique
+        ]
         text = f"v_dot ({len(self.v_dot)},), lam ({len(self.lam)},)"
-        text = f"{text}; not unique: {listed(several)}" if several else text
+        text = f"{text}; not unique: {listed(ambiguous)}" if ambiguous else text
         return "\n".join([text, *self.notes])
 
 
@@ -250,10 +252,10 @@ def matrices(
         The bodies of the scene do not fit together.
     """
     if not scene.is_spatial:
-        return _of_linkage(scene, t, q, v, parameters or angles)
+        return _linkage_matrices(scene, t, q, v, parameters or angles)
     equations = equations_of(scene)
     numbers, state = equations.numbers(equations.state(t, q, v, parameters, angles))
-    return _labelled(equations, numbers, state)
+    return _scene_matrices(equations, numbers, state)
 
 
 def evaluate(
@@ -274,9 +276,9 @@ def evaluate(
     Parameters
     ----------
     scene : Scene
-        What the solver was made from.
+        The scene of the solver.
     solver : DynamicsSolver
-        What computes the accelerations; the state must be one that it can have.
+        Solver of the accelerations; the state must be one that it can have.
     t, q, v, parameters, angles
         As of :func:`matrices`.
 
@@ -288,83 +290,88 @@ def evaluate(
     """
     equations = equations_of(scene)
     numbers, state = equations.numbers(equations.state(t, q, v, parameters, angles))
-    found = _labelled(equations, numbers, state)
+    terms = _scene_matrices(equations, numbers, state)
     v_dot = _accelerations(equations, solver, state)
-    lam, is_unique = _multipliers(found, found.M @ v_dot, equations.length)
+    lam, is_unique = _multipliers(terms, terms.M @ v_dot, equations.length)
     scales = np.array([equations.unit if unit == "m" else 1.0 for _, unit in equations.checked])
-    left = (found.C, found.C_q @ state.v - found.nu, found.C_q @ v_dot - found.gamma)
-    violations = violations_of(scales * np.abs(left), equations.checked)
-    speeds = scales * (np.abs(found.C_q) @ np.abs(state.v) + np.abs(found.nu))
-    notes = (*_gaps(equations, violations, speeds), *_redundant(solver, state))
-    notes = notes or (*_lost_digits(found, v_dot, left[2], equations.length),)
-    return Evaluation(v_dot, lam, is_unique, found.rows, found.columns, violations, notes)
+    residuals = (terms.C, terms.C_q @ state.v - terms.nu, terms.C_q @ v_dot - terms.gamma)
+    violations = violations_of(scales * np.abs(residuals), equations.checked)
+    speeds = scales * (np.abs(terms.C_q) @ np.abs(state.v) + np.abs(terms.nu))
+    notes = (*_gaps(equations, violations, speeds), *_redundancy(solver, state))
+    notes = notes or (*_lost_digits(terms, v_dot, residuals[2], equations.length),)
+    return Evaluation(v_dot, lam, is_unique, terms.rows, terms.columns, violations, notes)
 
 
 def _gaps(
     equations: SceneEquations, violations: Mapping[str, Violation], speeds: Array
 ) -> Iterator[str]:
-    """Joints that a state leaves open, and those of them that come apart.
+    """Notes on joints that are open at a state, and on joints that come apart.
 
-    Velocities are compared with the largest of ``speeds``, of what each row consists [m/s, rad/s].
+    Velocities are compared with the largest of ``speeds``, the sizes of the terms of each row
+    [m/s, rad/s].
     """
     length = equations.length * equations.unit
     arms = [1.0 if unit == "m" else length for _, unit in equations.checked]
-    speed = max((speeds * arms).max(initial=0.0), STANDS * length) / length
+    speed = max((speeds * arms).max(initial=0.0), REST_SPEED * length) / length
     texts = ("joints are open", ""), ("joints come apart", "/s")
-    for k, ((what, per), size) in enumerate(zip(texts, (1.0, speed), strict=True)):
-        parts = {
-            name: max(one.metres[k] / length, one.radians[k]) for name, one in violations.items()
+    for k, ((defect, per), size) in enumerate(zip(texts, (1.0, speed), strict=True)):
+        relative = {
+            name: max(violation.metres[k] / length, violation.radians[k])
+            for name, violation in violations.items()
         }
         limit = equations.system.closure_tolerance * size
-        far = sorted((x for x in parts if parts[x] > limit), key=lambda x: -parts[x])
+        excessive = sorted(
+            (joint for joint in relative if relative[joint] > limit),
+            key=lambda joint: -relative[joint],
+        )
         gaps = [
             f"{scene_key(name)} by "
             + " and ".join(
                 f"{shortly(gap, 3)} {unit}{per}"
-                for gap, unit in ((one.metres[k], "m"), (one.radians[k], "rad"))
+                for gap, unit in ((violation.metres[k], "m"), (violation.radians[k], "rad"))
                 if gap > limit * (length if unit == "m" else 1.0)
             )
-            for name in far
-            if (one := violations[name])
+            for name in excessive
+            if (violation := violations[name])
         ]
         if gaps:
-            yield f"{equations.name}: at this state {what}: {listed(gaps)}"
+            yield f"{equations.name}: at this state {defect}: {listed(gaps)}"
 
 
-def _lost_digits(found: Matrices, v_dot: Array, left: Array, length: float) -> Iterator[str]:
-    """Digits of accelerations that are lost: what rows that are no redundant ones leave of them."""
-    arms, columns = _arms(found, length)
-    force, mass, size, asked = (
-        np.abs(part).max(initial=0.0)
-        for part in (
-            found.f / columns,
-            np.diagonal(found.M) / columns**2,
+def _lost_digits(terms: Matrices, v_dot: Array, residual: Array, length: float) -> Iterator[str]:
+    """Note on lost digits of accelerations, by the residual of rows that are not redundant."""
+    arms, columns = _arms(terms, length)
+    force, mass, size, demand = (
+        np.abs(values).max(initial=0.0)
+        for values in (
+            terms.f / columns,
+            np.diagonal(terms.M) / columns**2,
             columns * v_dot,
-            arms * found.gamma,
+            arms * terms.gamma,
         )
     )
-    size = max(size, asked)
-    lost = np.abs(arms * left)[~found.redundant].max(initial=0.0)
+    size = max(size, demand)
+    lost = np.abs(arms * residual)[~terms.redundant].max(initial=0.0)
     if lost > MOST_LOST * size and lost * mass > BALANCED * force:
         yield (
-            f"{found.name}: at this state digits of accelerations are lost: constraints ask for"
+            f"{terms.name}: at this state digits of accelerations are lost: constraints ask for"
             f" others, by {lost / size:.1e} of the largest; a run wins these digits back"
         )
 
 
-def _redundant(solver: DynamicsSolver, state: CheckedState) -> Iterator[str]:
-    """Rows that the solver keeps and that are nearly redundant with other parameters."""
+def _redundancy(solver: DynamicsSolver, state: CheckedState) -> Iterator[str]:
+    """Note on rows of the solver that are nearly redundant with other parameters."""
     if state.parameters == dict((solver.base or solver).parameters):
         return
     if why := nearly_redundant(solver, np.array([*state.parameters.values()])):
         yield f"{solver.name}: {why}"
 
 
-def _of_linkage(
-    scene: Scene, t: float, q: npt.ArrayLike, v: npt.ArrayLike, more: object
+def _linkage_matrices(
+    scene: Scene, t: float, q: npt.ArrayLike, v: npt.ArrayLike, extras: object
 ) -> Matrices:
     """Matrices of a linkage, which has no masses."""
-    if more:
+    if extras:
         raise SolveError(f"{scene.name}: a linkage of nodes has no parameters, and counts no turns")
     equations = LinkageEquations(scene)
     rows = equations.at(t, q, v)
@@ -387,7 +394,7 @@ def _of_linkage(
     )
 
 
-def _labelled(
+def _scene_matrices(
     equations: SceneEquations, numbers: EquationsAtState, state: CheckedState
 ) -> Matrices:
     """Matrices with the names of rows and columns."""
@@ -407,75 +414,75 @@ def _labelled(
 
 
 def _accelerations(equations: SceneEquations, solver: DynamicsSolver, state: CheckedState) -> Array:
-    """Accelerations v̇ of a solver as the scene is written."""
-    there = solver.at(state.parameters)
-    q, v = solver_state(there.bodies, state.q, state.v, there.unit, (there.q, there.v))
+    """Accelerations v̇ by a solver, in the columns of the scene as it is written."""
+    adapted = solver.at(state.parameters)
+    q, v = solver_state(adapted.bodies, state.q, state.v, adapted.unit, (adapted.q, adapted.v))
     first, names = equations.turning(solver)
     for k, name in enumerate(names, first):
         q[k] = state.near.get(name, q[k])
-    _require_there(equations, state, written_state(there.bodies, q, v, there.unit))
-    found = there.evaluate(state.time, q, v, state.parameters)
+    _require_reachable(equations, state, written_state(adapted.bodies, q, v, adapted.unit))
+    outputs = adapted.evaluate(state.time, q, v, state.parameters)
     tables = body_tables(
-        there.bodies, q[np.newaxis], v[np.newaxis], found["v_dot"][np.newaxis], there.unit
+        adapted.bodies, q[np.newaxis], v[np.newaxis], outputs["v_dot"][np.newaxis], adapted.unit
     )
     linear, angular = tables["acceleration"], tables.get("angular_acceleration", {})
-    parts = [
+    blocks = [
         table[body.name][0]
-        for body in there.bodies
+        for body in adapted.bodies
         for table in (linear, angular)
         if body.name in table
     ]
-    return np.concatenate([np.zeros(0), *parts])
+    return np.concatenate([np.zeros(0), *blocks])
 
 
-def _arms(found: Matrices, length: float) -> tuple[Array, Array]:
-    """Length of the scene at which rows and columns are that are angles, 1 at all others."""
-    rows = np.array([length if unit == "rad" else 1.0 for unit in found.units])
-    columns = np.array([length if is_turn(name) else 1.0 for name in found.columns])
+def _arms(terms: Matrices, length: float) -> tuple[Array, Array]:
+    """Lever arms of rows and of columns: a length of the scene for angles, 1 for lengths."""
+    rows = np.array([length if unit == "rad" else 1.0 for unit in terms.units])
+    columns = np.array([length if is_turn(name) else 1.0 for name in terms.columns])
     return rows, columns
 
 
 def _multipliers(
-    found: Matrices, inertia: Array, length: float
+    terms: Matrices, inertia: Array, length: float
 ) -> tuple[Array, npt.NDArray[np.bool_]]:
     """Shortest λ with C_qᵀλ = f − M v̇, and which of its elements are unique."""
-    rows, arms = _arms(found, length)
+    rows, arms = _arms(terms, length)
     columns = 1 / arms
-    scaled = rows[:, np.newaxis] * found.C_q * columns
-    wanted = columns * (found.f - inertia)
-    left, sizes, right = np.linalg.svd(scaled, full_matrices=False)
-    rank = int((sizes > ZERO * sizes.max(initial=0.0)).sum())
-    lam = left[:, :rank] @ ((right[:rank] @ wanted) / sizes[:rank])
-    size = max(np.abs(columns * x).max(initial=0.0) for x in (found.f, inertia))
-    missing = np.abs(scaled.T @ lam - wanted).max(initial=0.0)
-    if missing > LARGEST_STATE_RESIDUAL * size:
+    scaled = rows[:, np.newaxis] * terms.C_q * columns
+    load = columns * (terms.f - inertia)
+    u, sigma, vt = np.linalg.svd(scaled, full_matrices=False)
+    rank = int((sigma > ZERO * sigma.max(initial=0.0)).sum())
+    lam = u[:, :rank] @ ((vt[:rank] @ load) / sigma[:rank])
+    size = max(np.abs(columns * x).max(initial=0.0) for x in (terms.f, inertia))
+    residual = np.abs(scaled.T @ lam - load).max(initial=0.0)
+    if residual > LARGEST_STATE_RESIDUAL * size:
         raise SolveError(
-            f"{found.name}: at this state the accelerations of the solver leave {missing:.3g} of"
+            f"{terms.name}: at this state the accelerations of the solver leave {residual:.3g} of"
             f" forces up to {size:.3g}, which no multipliers of its rows balance: joints are open,"
             " or their velocities do not fit; give a state of a run"
         )
-    share = 1.0 - (left[:, :rank] ** 2).sum(axis=1)  # of the directions that no force shows
-    return rows * lam, share < TAKES_PART
+    null_part = 1.0 - (u[:, :rank] ** 2).sum(axis=1)  # in the left null space
+    return rows * lam, null_part < NULL_PART
 
 
-def _require_there(
-    equations: SceneEquations, state: CheckedState, there: tuple[Array, Array]
+def _require_reachable(
+    equations: SceneEquations, state: CheckedState, reachable: tuple[Array, Array]
 ) -> None:
-    """Refuse a state that the solver cannot have."""
+    """Refuse a state that the solver cannot take, as one out of its plane."""
     length = equations.length + float(np.abs(state.q).max(initial=0.0))
     speed = length + float(np.abs(state.v).max(initial=0.0))
-    for given, found, size, starts in (
-        (state.q, there[0], length, equations.starts[0]),
-        (state.v, there[1], speed, equations.starts[1]),
+    for wanted, nearest, size, starts in (
+        (state.q, reachable[0], length, equations.starts[0]),
+        (state.v, reachable[1], speed, equations.starts[1]),
     ):
         for body, first, end in zip(equations.bodies, starts, starts[1:], strict=False):
-            own, has = given[first:end], found[first:end]
-            far = np.abs(own - has)
-            if given is state.q:  # p and −p are one orientation
-                far[3:] = np.minimum(far[3:], np.abs(own + has)[3:])
-            if far.max() > LARGEST_STATE_RESIDUAL * size:
+            asked, solved = wanted[first:end], nearest[first:end]
+            gap = np.abs(asked - solved)
+            if wanted is state.q:  # p and −p are one orientation
+                gap[3:] = np.minimum(gap[3:], np.abs(asked + solved)[3:])
+            if gap.max() > LARGEST_STATE_RESIDUAL * size:
                 raise SolveError(
-                    f"{equations.name}: body {body.name!r} is {far.max():.3g} from where the solver"
+                    f"{equations.name}: body {body.name!r} is {gap.max():.3g} from where the solver"
                     " can have it: it moves in a plane, or with a body that it is joined to"
                     " rigidly; give a state of a run"
                 )

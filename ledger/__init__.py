@@ -32,8 +32,8 @@ def entries() -> tuple[Entry, ...]:
     )
     from kousoku.ledger.reading import read
 
-    parts = (lecture_7_1, lecture_8_2, link_element, link_method, link_examples, mass_points)
-    return tuple(entry for part in parts for entry in read(part))
+    modules = (lecture_7_1, lecture_8_2, link_element, link_method, link_examples, mass_points)
+    return tuple(entry for module in modules for entry in read(module))
 
 
 @cache
@@ -45,14 +45,14 @@ def keys() -> dict[str, Entry]:
     LedgerError
         Two entries share a key.
     """
-    found: dict[str, Entry] = {}
+    by_key: dict[str, Entry] = {}
     for entry in entries():
         for key in (entry.equation, *entry.aliases):
-            other = found.setdefault(key, entry)
+            other = by_key.setdefault(key, entry)
             if other is not entry:
-                both = " and ".join(f"{e.document.title} ({e.equation})" for e in (other, entry))
-                raise LedgerError(f"{both} share the key {key!r}; give one of them another")
-    return found
+                titles = " and ".join(f"{e.document.title} ({e.equation})" for e in (other, entry))
+                raise LedgerError(f"{titles} share the key {key!r}; give one of them another")
+    return by_key
 
 
 def find(key: str) -> Entry:
@@ -63,11 +63,11 @@ def find(key: str) -> Entry:
     LedgerError
         There is none; the message names keys that are near.
     """
-    wanted = str(key).strip().removeprefix("(").removesuffix(")")
-    known = keys()
-    if wanted in known:
-        return known[wanted]
-    near = get_close_matches(wanted, known, n=6, cutoff=0.5)
+    plain = str(key).strip().removeprefix("(").removesuffix(")")
+    by_key = keys()
+    if plain in by_key:
+        return by_key[plain]
+    near = get_close_matches(plain, by_key, n=6, cutoff=0.5)
     hint = f"near it are {', '.join(near)}" if near else "kousoku ledger lists them"
     raise LedgerError(f"no equation {key!r} in the ledger; {hint}")
 

@@ -59,10 +59,10 @@ def latex_page(entries: Sequence[Entry], proofs: Mapping[str, Proof]) -> str:
     """
     parts = [PREAMBLE + OPENING, *([_latex_counts(entries)] if len(entries) > 1 else [])]
     for document in DOCUMENTS:
-        own = [entry for entry in entries if entry.document == document]
-        if own:
+        selected = [entry for entry in entries if entry.document == document]
+        if selected:
             parts.append(f"\\section*{{{in_words(document.title)}}}")
-            parts += [_latex_entry(entry, proofs.get(entry.equation)) for entry in own]
+            parts += [_latex_entry(entry, proofs.get(entry.equation)) for entry in selected]
     return "\n".join([*parts, "\\end{document}", ""])
 
 
@@ -112,10 +112,10 @@ def markdown_page(entries: Sequence[Entry], proofs: Mapping[str, Proof]) -> str:
     parts = ["# The ledger", "", OPENING, note]
     parts += ["", *_markdown_counts(entries)] if len(entries) > 1 else []
     for document in DOCUMENTS:
-        own = [entry for entry in entries if entry.document == document]
-        if own:
+        selected = [entry for entry in entries if entry.document == document]
+        if selected:
             parts += ["", f"## {document.title}"]
-        for entry in own:
+        for entry in selected:
             parts += ["", *_markdown_entry(entry, proofs.get(entry.equation))]
     return "\n".join([*parts, ""])
 

@@ -60,42 +60,42 @@ def parse(latex: str) -> tuple[Statement, ...]:
 
 
 class _Stream:
-    """Tokens and a place among them."""
+    """Tokens and a position among them."""
 
     def __init__(self, tokens: list[str]) -> None:
         self.tokens = tokens
-        self.place = 0
+        self.position = 0
 
     def peek(self, ahead: int = 0) -> str:
         """Token without taking it; empty at the end."""
-        place = self.place + ahead
-        return self.tokens[place] if place < len(self.tokens) else ""
+        position = self.position + ahead
+        return self.tokens[position] if position < len(self.tokens) else ""
 
     def next(self) -> str:
         token = self.peek()
         if not token:
             raise FormulaError("the formula ends too early")
-        self.place += 1
+        self.position += 1
         return token
 
-    def expect(self, wanted: str) -> None:
-        got = self.next()
-        if got != wanted:
-            raise FormulaError(f"{got!r} stands where {wanted!r} is wanted")
+    def expect(self, expected: str) -> None:
+        token = self.next()
+        if token != expected:
+            raise FormulaError(f"{token!r} stands where {expected!r} is wanted")
 
     def group(self) -> list[str]:
         """Take one token, or all between braces."""
         if self.peek() != "{":
             return [self.next()]
         self.next()
-        taken: list[str] = []
+        inside: list[str] = []
         depth = 1
         while True:
             token = self.next()
             depth += (token == "{") - (token == "}")
             if depth == 0:
-                return taken
-            taken.append(token)
+                return inside
+            inside.append(token)
 
 
 def _statement(stream: _Stream) -> Statement:
@@ -182,7 +182,7 @@ def _factor(stream: _Stream) -> FormulaNode:
 
 
 def _worded(node: FormulaNode, words: str) -> FormulaNode:
-    """Make words behind a letter part of its name; behind anything else they say where it is."""
+    """Symbol with words added to its name; behind anything else words name a position."""
     if isinstance(node, SymbolName):
         return replace(node, letter=node.letter + words)
     if words not in _PLACES:
@@ -203,8 +203,8 @@ def _raised(node: FormulaNode, script: list[str]) -> FormulaNode:
 
 def _atom(stream: _Stream) -> FormulaNode:
     token = stream.peek()
-    if (by := _differential(stream)) is not None:
-        return Derivative(by, _factor(stream))
+    if (variable := _differential(stream)) is not None:
+        return Derivative(variable, _factor(stream))
     if token in _CLOSING:
         return _bracket(stream)
     match token:
@@ -231,9 +231,9 @@ def _differential(stream: _Stream) -> str | None:
     """Take ``(d/dt)`` and return ``t``; None where something else follows."""
     if [stream.peek(k) for k in (0, 1, 2, 3, 5)] != ["(", "d", "/", "d", ")"]:
         return None
-    by = stream.peek(4)
-    stream.place += 6
-    return by
+    variable = stream.peek(4)
+    stream.position += 6
+    return variable
 
 
 def _bracket(stream: _Stream) -> FormulaNode:
@@ -373,11 +373,11 @@ def _skip_arguments(stream: _Stream) -> None:
     if stream.peek() != "(":
         return
     depth, has_comma = 0, False
-    for ahead in range(len(stream.tokens) - stream.place):
+    for ahead in range(len(stream.tokens) - stream.position):
         token = stream.peek(ahead)
         depth += (token == "(") - (token == ")")
         has_comma = has_comma or (token == "," and depth == 1)
         if depth == 0:
             if has_comma:
-                stream.place += ahead + 1
+                stream.position += ahead + 1
             return

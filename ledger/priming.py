@@ -71,16 +71,16 @@ def ways_that_agree(
     side : int
         Which side, 0 being the first.
     vocabulary : Vocabulary
-        What symbols mean.
+        Meanings of symbols.
     ways : callable
         How a printed one may be read.
     """
     ring = vocabulary.ring(at=rational_point(vocabulary.quantities))
-    wanted = ring.cells(vocabulary.value(statement.sides[0]))
+    reference = ring.cells(vocabulary.value(statement.sides[0]))
     tried = [ring.cells(vocabulary.value(x)) for x in readings(statement.sides[side], ways)]
     equal = [
         cells
         for cells in tried
-        if all(ring.is_equal(a, b) for a, b in zip(cells, wanted, strict=True))
+        if all(ring.is_equal(a, b) for a, b in zip(cells, reference, strict=True))
     ]
     return len(equal), len(tried)

@@ -38,8 +38,8 @@ def first_words(printed: str, width: int) -> str:
 
 def counts(entries: Sequence[Entry], document: Document | None = None) -> dict[str, int]:
     """Number of entries of each verdict, of one document or of all."""
-    found: Counter[str] = Counter(e.verdict for e in entries if document in {None, e.document})
-    return {verdict: found[verdict] for verdict in VERDICTS}
+    numbers: Counter[str] = Counter(e.verdict for e in entries if document in {None, e.document})
+    return {verdict: numbers[verdict] for verdict in VERDICTS}
 
 
 def count_lines(entries: Sequence[Entry]) -> list[str]:

@@ -83,8 +83,8 @@ def _printed(entry: Entry) -> tuple[Line, ...]:
         return lines
     is_notation = differ_in_notation_only(entry.printed, entry.corrected)
     if is_notation != (entry.verdict == "notation"):
-        seen = "only in notation" if is_notation else "in more than notation"
-        raise LedgerError(f"the verdict is {entry.verdict}, yet the two forms differ {seen}")
+        extent = "only in notation" if is_notation else "in more than notation"
+        raise LedgerError(f"the verdict is {entry.verdict}, yet the two forms differ {extent}")
     return lines
 
 
@@ -92,7 +92,9 @@ def _true_form(entry: Entry) -> tuple[Line, ...]:
     lines: tuple[Line, ...] = ()
     if entry.vocabulary is not None:
         text = "corrected" if entry.corrected else "as printed"
-        lines = tuple(Line(text, seen) for seen in proved(entry.true_form, entry.vocabulary()))
+        lines = tuple(
+            Line(text, finding) for finding in proved(entry.true_form, entry.vocabulary())
+        )
     lines += tuple(_run(check) for check in entry.checks)
     if not lines:
         raise LedgerError("nothing proves it")
@@ -122,11 +124,11 @@ def proved(latex: str, vocabulary: Vocabulary) -> list[str]:
     lines = []
     for statement in parse(latex):
         sides = _values(statement, vocabulary)
-        kept = _compared(statement, sides)
-        for k, (left, right) in enumerate(pairwise(kept), 1):
-            where = f"sides {k} and {k + 1} of {len(sides)}"
+        compared = _compared(statement, sides)
+        for k, (left, right) in enumerate(pairwise(compared), 1):
+            label = f"sides {k} and {k + 1} of {len(sides)}"
             compare = order if statement.relations[k - 1] == "\\leq" else equality
-            lines.append(f"{where}: {compare(vocabulary, left, right)}")
+            lines.append(f"{label}: {compare(vocabulary, left, right)}")
     if not lines:
         raise LedgerError("the formula has no two sides to compare")
     return lines
@@ -190,8 +192,8 @@ def equality(
         raise LedgerError(witness)
     ring = vocabulary.ring()
     pairs = list(zip(ring.cells(left), ring.cells(right), strict=True))
-    for k, (one, other) in enumerate(pairs, 1):
-        if not ring.is_equal(one, other):
+    for k, (a, b) in enumerate(pairs, 1):
+        if not ring.is_equal(a, b):
             raise LedgerError(f"element {k} of {len(pairs)} differs")
     count = "equal" if len(pairs) == 1 else f"all {len(pairs)} elements equal"
     return f"{count}, identically"
@@ -220,16 +222,16 @@ def difference(
     _same_shape(left, right)
     ring = vocabulary.ring(at=rational_point(vocabulary.quantities))
     pairs = list(zip(ring.cells(left), ring.cells(right), strict=True))
-    for k, (one, other) in enumerate(pairs, 1):
-        if not ring.is_equal(one, other):
-            where = "" if len(pairs) == 1 else f"element {k} of {len(pairs)} is "
-            return f"at a rational point {where}{_shown(one)} against {_shown(other)}"
+    for k, (a, b) in enumerate(pairs, 1):
+        if not ring.is_equal(a, b):
+            label = "" if len(pairs) == 1 else f"element {k} of {len(pairs)} is "
+            return f"at a rational point {label}{_shown(a)} against {_shown(b)}"
     return ""
 
 
 def _same_shape(left: Scalar | SymbolicMatrix, right: Scalar | SymbolicMatrix) -> None:
-    one, other = ((1, 1) if not shape(side) else shape(side) for side in (left, right))
-    if one != other:
+    first, second = ((1, 1) if not shape(side) else shape(side) for side in (left, right))
+    if first != second:
         raise FormulaError(f"one side has shape {shape(left)}, the other {shape(right)}")
 
 
@@ -243,13 +245,13 @@ def _shown(fraction: Any) -> str:
 def derived(package: str, function: str, output: str) -> Value:
     """Output of the code's derivation."""
     functions = {f.name: f for f in derive(package).functions}
-    found = {o.quantity.name: o.expression for o in functions[function].outputs}
-    return as_value(found[output])
+    expressions = {o.quantity.name: o.expression for o in functions[function].outputs}
+    return as_value(expressions[output])
 
 
-# -- what entries ask for -----------------------------------------------------------------------
+# -- proofs that entries name -------------------------------------------------------------------
 
-#: What the entries of every document may ask for.
+#: Proofs that the entries of every document may name.
 GENERAL = Names()
 
 
@@ -263,16 +265,16 @@ class Side(NamedTuple):
 @GENERAL.proof()
 def equal(words: Words, left: str | Side, right: str | Side) -> str:
     """Prove that two formulas have the same value; a zero on the right is as large as the left."""
-    known = words()
-    return equality(known, *_both(known, left, right))
+    vocabulary = words()
+    return equality(vocabulary, *_values_of(vocabulary, left, right))
 
 
 @GENERAL.proof()
 def different(words: Words, left: str | Side, right: str | Side) -> str:
     """Prove that two formulas have different values somewhere, or cannot be compared."""
-    known = words()
+    vocabulary = words()
     try:
-        witness = difference(known, *_both(known, left, right))
+        witness = difference(vocabulary, *_values_of(vocabulary, left, right))
     except FormulaError as problem:
         return f"cannot be formed: {problem}"
     if not witness:
@@ -283,14 +285,14 @@ def different(words: Words, left: str | Side, right: str | Side) -> str:
 @GENERAL.proof()
 def unreadable(words: Words, formula: str) -> str:
     """Prove that a formula cannot be formed: its shapes do not fit."""
-    seen = refuted(formula, words())
-    if not seen.startswith("cannot be formed"):
-        raise LedgerError(f"it can be formed: {seen}")
-    return seen
+    finding = refuted(formula, words())
+    if not finding.startswith("cannot be formed"):
+        raise LedgerError(f"it can be formed: {finding}")
+    return finding
 
 
-def _both(known: Vocabulary, left: str | Side, right: str | Side) -> tuple[Value, Value]:
-    value, other = value_of(left, known), value_of(right, known)
+def _values_of(vocabulary: Vocabulary, left: str | Side, right: str | Side) -> tuple[Value, Value]:
+    value, other = value_of(left, vocabulary), value_of(right, vocabulary)
     return value, ZeroMatrix(*shape(value)) if other == 0 and shape(value) else other
 
 

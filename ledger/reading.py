@@ -72,15 +72,15 @@ def entry_of(table: dict[str, Any], document: Document, names: Names, words: str
     fields = dict(table)
     key = fields.get("equation", "an entry without an equation")
     try:
-        own = fields.pop("words", "")
-        read = names.vocabulary(own) if own else None
+        entry_words = fields.pop("words", "")
+        vocabulary = names.vocabulary(entry_words) if entry_words else None
         tables = {kind: fields.pop(kind, []) for kind in ("refutation", "checks")}
         fields["aliases"] = tuple(fields.get("aliases", ()))
-        entry = Entry(document, **fields, vocabulary=read, is_sentence=read is None)
+        entry = Entry(document, **fields, vocabulary=vocabulary, is_sentence=vocabulary is None)
         if entry.verdict not in get_args(Verdict):
             raise LedgerError(f"no verdict {entry.verdict!r}")
         refutation, checks = (
-            tuple(_check(check, entry, names, own or words) for check in tables[kind])
+            tuple(_check(check, entry, names, entry_words or words) for check in tables[kind])
             for kind in ("refutation", "checks")
         )
         return replace(entry, refutation=refutation, checks=checks)
@@ -97,14 +97,14 @@ def _check(table: dict[str, Any], entry: Entry, names: Names, words: str) -> Che
     arguments = dict(table)
     method = names.method(arguments.pop("proof", ""))
     statement = arguments.pop("statement", "")
-    wanted = signature(method.function)
-    if "words" in wanted.parameters:
+    parameters = signature(method.function)
+    if "words" in parameters.parameters:
         arguments["words"] = names.vocabulary(arguments.get("words", words))
-    if "formula" in wanted.parameters and "formula" not in arguments:
+    if "formula" in parameters.parameters and "formula" not in arguments:
         form = _form(entry, arguments.pop("of", ""))
-        is_whole = "side" in wanted.parameters or "side" not in arguments
+        is_whole = "side" in parameters.parameters or "side" not in arguments
         arguments["formula"] = form if is_whole else Side(form, arguments.pop("side"))
-    wanted.bind(**arguments)
+    parameters.bind(**arguments)
     statement = statement or method.statement.format(**arguments)
     if not statement:
         raise LedgerError(f"the proof {table['proof']!r} has no statement")
@@ -120,10 +120,10 @@ def _form(entry: Entry, name: str) -> str:
 
 def _seen(function: Callable[..., Evidence], arguments: Mapping[str, Any]) -> str:
     """Run a proof, and return its findings; of statements all must be true."""
-    seen = function(**arguments)
-    if isinstance(seen, str):
-        return seen
-    wrong = [statement for statement, is_true in seen.items() if not is_true]
-    if wrong:
-        raise LedgerError(f"it is not true that {', '.join(wrong)}")
-    return "; ".join(seen)
+    findings = function(**arguments)
+    if isinstance(findings, str):
+        return findings
+    false = [statement for statement, is_true in findings.items() if not is_true]
+    if false:
+        raise LedgerError(f"it is not true that {', '.join(false)}")
+    return "; ".join(findings)

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from kousoku.ledger.vocabulary import Vocabulary
 
 Words = Callable[[], "Vocabulary"]
-#: What a proof saw, in one line; or statements, each with whether it is true.
+#: Finding of a proof, in one line; or statements, each with whether it is true.
 Evidence = str | Mapping[str, bool]
 
 _Known = TypeVar("_Known")
@@ -76,7 +76,7 @@ class Names:
         LedgerError
             There is none; the message says which is near.
         """
-        return _known("words", name, self._words)
+        return _looked_up("words", name, self._words)
 
     def method(self, name: str) -> ProofMethod:
         """Method of proving of a name.
@@ -86,10 +86,10 @@ class Names:
         LedgerError
             There is none; the message says which is near.
         """
-        return _known("proof", name, self._methods)
+        return _looked_up("proof", name, self._methods)
 
 
-def _known(what: str, name: str, known: Mapping[str, _Known]) -> _Known:
-    if name not in known:
-        raise LedgerError(f"no {what} {name!r}{near_name(name, known)}")
-    return known[name]
+def _looked_up(noun: str, name: str, table: Mapping[str, _Known]) -> _Known:
+    if name not in table:
+        raise LedgerError(f"no {noun} {name!r}{near_name(name, table)}")
+    return table[name]

@@ -20,7 +20,7 @@ _ARRAYS = {"array", "bmatrix", "pmatrix", "matrix"}
 _FACES = {"\\mathbf", "\\boldsymbol", "\\mathrm", "\\text", "\\left", "\\right", "\\,", "\\;"}
 _FACES |= {"\\quad", "\\qquad", "\\hline", "\\displaystyle"}
 _BRACKETS = {*"()[]", "\\{", "\\}", "\\langle", "\\rangle", "\\vec"}
-#: What stands between two terms.
+#: Tokens between two terms.
 _PARTING = {"+", "-", "=", "\\equiv", ","}
 _GREEK = dict(
     zip(
@@ -41,10 +41,10 @@ def tokens(latex: str) -> list[str]:
     """
     result: list[str] = []
     depth: list[str] = []
-    place = 0
+    position = 0
     for match in _ENVIRONMENT.finditer(latex):
-        result.extend(_plain(latex[place : match.start()], depth))
-        place = match.end()
+        result.extend(_plain(latex[position : match.start()], depth))
+        position = match.end()
         kind, name = match.groups()
         if name not in _LAYOUT | _ARRAYS:
             raise FormulaError(f"unknown environment {name!r}")
@@ -54,7 +54,7 @@ def tokens(latex: str) -> list[str]:
             depth.append(name)
         elif not depth or depth.pop() != name:
             raise FormulaError(f"\\end{{{name}}} closes nothing")
-    result.extend(_plain(latex[place:], depth))
+    result.extend(_plain(latex[position:], depth))
     return result
 
 
@@ -83,16 +83,16 @@ def essence(latex: str) -> tuple[list[str], list[Counter[str]]]:
     body: list[str] = []
     scripts: list[Counter[str]] = [Counter()]
     stream = tokens(latex)
-    place = 0
-    while place < len(stream):
-        token = stream[place]
-        place += 1
+    position = 0
+    while position < len(stream):
+        token = stream[position]
+        position += 1
         if token in {"\\stackrel", "\\underset"}:  # a remark above or below a relation
-            place = _group_end(stream, place)
+            position = _group_end(stream, position)
         elif token in {"^", "_"}:
-            end = _group_end(stream, place)
-            scripts[-1].update(t for t in stream[place:end] if t not in _FACES | {*"{}'"})
-            place = end
+            end = _group_end(stream, position)
+            scripts[-1].update(t for t in stream[position:end] if t not in _FACES | {*"{}'"})
+            position = end
         elif token not in _FACES | _BRACKETS | {*"{}'"}:
             body.append(token)
             if token in _PARTING:
@@ -100,20 +100,20 @@ def essence(latex: str) -> tuple[list[str], list[Counter[str]]]:
     return body, scripts
 
 
-def _group_end(stream: Sequence[str], place: int) -> int:
-    """Place after the group, or the one token, that starts at ``place``."""
+def _group_end(stream: Sequence[str], start: int) -> int:
+    """Position after the group, or the one token, that begins at ``start``."""
     depth = 0
-    for end in range(place, len(stream)):
+    for end in range(start, len(stream)):
         depth += (stream[end] == "{") - (stream[end] == "}")
         if depth == 0:
             return end + 1
     raise FormulaError("a brace is not closed")
 
 
-def differ_in_notation_only(one: str, other: str) -> bool:
+def differ_in_notation_only(first: str, second: str) -> bool:
     """Whether two formulas are the same but for their notation.
 
     A prime that is lost to a capital I, as in ``s^{IB}``, is a prime.
     """
     prime = re.compile(r"\^\{I(?=[A-Z]\})")
-    return essence(prime.sub("^{'", one)) == essence(prime.sub("^{'", other))
+    return essence(prime.sub("^{'", first)) == essence(prime.sub("^{'", second))

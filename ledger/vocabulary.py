@@ -183,8 +183,8 @@ def _power(value: Value, exponent: int) -> Value:
     rows, columns = shape(value)
     if exponent != -1 or rows != columns:
         raise FormulaError(f"the power {exponent} of a matrix of shape {(rows, columns)}")
-    known = explicit(value)
-    return Inverse(value) if known is None else _inverse(known)
+    dense = explicit(value)
+    return Inverse(value) if dense is None else _inverse(dense)
 
 
 def explicit(value: Scalar | SymbolicMatrix) -> Value:

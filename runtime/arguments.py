@@ -30,7 +30,7 @@ class CheckedArguments:
     is_shared : tuple of bool
         Which inputs have no batch axis.
     out : tuple of arrays or None
-        Where the outputs go, with ``n`` in front; None for those that nobody wants.
+        Arrays of the outputs, with ``n`` in front; None for outputs that are not wanted.
     """
 
     n: int | None
@@ -63,27 +63,27 @@ class Signature:
                 raise TypeError(f"{self.name}: no input {name!r}; they are {', '.join(names)}")
             if name in names[: len(positional)]:
                 raise TypeError(f"{self.name}: input {name} is given twice")
-        rest = names[len(positional) :]
-        missing = [name for name in rest if name not in named]
+        remaining = names[len(positional) :]
+        missing = [name for name in remaining if name not in named]
         if missing or len(positional) > len(names):
-            got = len(positional) + len(named)
+            count = len(positional) + len(named)
             raise TypeError(
-                f"{self.name}: got {got} inputs, wanted {len(names)}: {', '.join(names)}"
+                f"{self.name}: got {count} inputs, wanted {len(names)}: {', '.join(names)}"
                 + (f"; missing: {', '.join(missing)}" if missing else "")
             )
-        return (*positional, *(named[name] for name in rest))
+        return (*positional, *(named[name] for name in remaining))
 
     def select(self, outputs: Iterable[str]) -> tuple[bool, ...]:
         """Outputs that are asked for, by their places."""
         names = [q.name for q in self.outputs]
-        asked = (outputs,) if isinstance(outputs, str) else tuple(outputs)
-        for name in asked:
+        chosen = (outputs,) if isinstance(outputs, str) else tuple(outputs)
+        for name in chosen:
             if name not in names:
                 raise ValueError(
                     f"{self.name}: no output {name!r}; outputs= takes names out of "
                     f"{', '.join(names)}"
                 )
-        return tuple(name in asked for name in names)
+        return tuple(name in chosen for name in names)
 
     def prepare(
         self, inputs: tuple[Any, ...], out: Sequence[Any] | None, wanted: tuple[bool, ...]
@@ -95,7 +95,7 @@ class Signature:
         inputs : tuple of (*batch, *shape) array_like
             One for each input, with any leading batch axes.
         out : sequence of (*batch, *shape) arrays or None, optional
-            Where the outputs go, None for an output that is not wanted.
+            Arrays of the outputs, None for an output that is not wanted.
         wanted : tuple of bool
             The outputs to allocate where ``out`` is not given.
 
@@ -131,7 +131,7 @@ class Signature:
         wanted: tuple[bool, ...],
         width: int,
     ) -> tuple[CheckedArguments, tuple[Floats, ...]]:
-        """Do the same for arrays in the lanes layout, (n_blocks, *shape, width)."""
+        """Arguments and outputs as of :meth:`prepare`, in lanes: (n_blocks, *shape, width)."""
         arrays = [self._floats(k, value) for k, value in enumerate(inputs)]
         n = len(arrays[0]) if arrays and arrays[0].ndim else 0
         for array, q in zip(arrays, self.inputs, strict=True):
@@ -151,14 +151,14 @@ class Signature:
 
     def _floats(self, k: int, value: Any) -> Floats:
         """Input as aligned C-contiguous doubles, copied only where it must be."""
-        where = f"{self.name}: input {self.inputs[k].name}"
+        label = f"{self.name}: input {self.inputs[k].name}"
         try:
             array = np.asarray(value)
         except ValueError as error:
-            raise ValueError(f"{where}: cannot be read as an array: {error}") from None
+            raise ValueError(f"{label}: cannot be read as an array: {error}") from None
         if array.dtype.kind not in "biuf":
             raise TypeError(
-                f"{where}: got dtype {array.dtype}, wanted real numbers that convert to float64"
+                f"{label}: got dtype {array.dtype}, wanted real numbers that convert to float64"
             )
         floats = np.asarray(array, dtype=np.float64, order="C")
         return floats if floats.flags.aligned else floats.copy()
@@ -191,10 +191,10 @@ class Signature:
         A batch of one keeps its axis: without it nothing would tell it from a single call.
         """
         shape = self.inputs[k].shape
-        own = array.shape[: array.ndim - len(shape)]
+        axes = array.shape[: array.ndim - len(shape)]
         if array.ndim == len(shape):
             return array
-        if own != batch and all(length == 1 for length in own):
+        if axes != batch and all(length == 1 for length in axes):
             return array.reshape(shape)
         return np.ascontiguousarray(np.broadcast_to(array, batch + shape)).reshape((-1, *shape))
 
@@ -213,9 +213,9 @@ class Signature:
                 for shape, is_wanted in zip(shapes, wanted, strict=True)
             )
         if not isinstance(out, (tuple, list)) or len(out) != len(self.outputs):
-            got = f"{len(out)} entries" if isinstance(out, (tuple, list)) else type(out).__name__
+            actual = f"{len(out)} entries" if isinstance(out, (tuple, list)) else type(out).__name__
             raise TypeError(
-                f"{self.name}: out: got {got}, wanted a tuple of {len(self.outputs)}: "
+                f"{self.name}: out: got {actual}, wanted a tuple of {len(self.outputs)}: "
                 f"{', '.join(q.name for q in self.outputs)} (None for an output not wanted)"
             )
         for q, array, shape in zip(self.outputs, out, shapes, strict=True):
@@ -225,22 +225,22 @@ class Signature:
         return tuple(out)
 
     def _check_out(self, name: str, array: Any, shape: tuple[int, ...]) -> None:
-        where = f"{self.name}: out {name}"
+        label = f"{self.name}: out {name}"
         if not isinstance(array, np.ndarray):
-            raise TypeError(f"{where}: got {type(array).__name__}, wanted a NumPy array or None")
+            raise TypeError(f"{label}: got {type(array).__name__}, wanted a NumPy array or None")
         if array.dtype != np.float64 or not array.dtype.isnative:
-            raise TypeError(f"{where}: got dtype {array.dtype}, wanted float64")
+            raise TypeError(f"{label}: got dtype {array.dtype}, wanted float64")
         if array.shape != shape:
-            raise ValueError(f"{where}: got shape {array.shape}, wanted {shape}")
+            raise ValueError(f"{label}: got shape {array.shape}, wanted {shape}")
         if not (array.flags.c_contiguous and array.flags.aligned):
-            raise ValueError(f"{where}: wanted a C-contiguous, aligned array")
+            raise ValueError(f"{label}: wanted a C-contiguous, aligned array")
         if not array.flags.writeable:
-            raise ValueError(f"{where}: the array is read-only")
+            raise ValueError(f"{label}: the array is read-only")
 
     def _check_apart(self, out: Sequence[Any]) -> None:
-        given = [(q.name, a) for q, a in zip(self.outputs, out, strict=True) if a is not None]
-        for k, (name, array) in enumerate(given):
-            for other, earlier in given[:k]:
+        arrays = [(q.name, a) for q, a in zip(self.outputs, out, strict=True) if a is not None]
+        for k, (name, array) in enumerate(arrays):
+            for other, earlier in arrays[:k]:
                 if np.may_share_memory(array, earlier):
                     raise ValueError(f"{self.name}: out {other} and out {name} share memory")
 

@@ -66,8 +66,8 @@ class Source:
     def key(self, toolchain: Toolchain) -> str:
         """SHA-256 of all that decides the bytes of the library."""
         key = hashlib.sha256(toolchain.fingerprint.encode())
-        for part in (self.name, *self.flags):
-            key.update(b"%d %s" % (len(part.encode()), part.encode()))
+        for text in (self.name, *self.flags):
+            key.update(b"%d %s" % (len(text.encode()), text.encode()))
         for name, content in self.files:
             key.update(b"%d %s%d " % (len(name.encode()), name.encode(), len(content)))
             key.update(content)
@@ -83,7 +83,7 @@ class Built:
     path : Path
         The shared library.
     damage : str
-        What was wrong with the library that lay there before; ``""`` if nothing was.
+        Damage of the library that lay there before; ``""`` if there was none.
     """
 
     path: Path
@@ -149,15 +149,15 @@ def _own_shelf() -> Path:
 
 
 def _look(entry: Path) -> tuple[Path | None, str]:
-    """Library of an entry if it is whole, else None and what is wrong with it."""
+    """Library of an entry if it is intact, else None and its damage."""
     try:
-        wanted, _, name = (entry / _DIGEST).read_text(encoding="ascii").strip().partition("  ")
+        expected, _, name = (entry / _DIGEST).read_text(encoding="ascii").strip().partition("  ")
         content = (entry / name).read_bytes()
     except (FileNotFoundError, NotADirectoryError):
         return None, f"{entry} lacks a file" if entry.exists() else ""
     except (OSError, ValueError) as error:
         return None, f"{entry} cannot be read: {error}"
-    if hashlib.sha256(content).hexdigest() == wanted:
+    if hashlib.sha256(content).hexdigest() == expected:
         return entry / name, ""
     return None, f"{entry / name} does not match its SHA-256: it was truncated or replaced"
 
@@ -184,7 +184,7 @@ def _make(source: Source, toolchain: Toolchain, entry: Path) -> Path:
 
 
 def _publish(finished: Path, entry: Path) -> Path:
-    """Rename a folder into place; one that is there already and whole is as good."""
+    """Rename a folder into place; an intact one that is there already is as good."""
     for attempt in range(3):
         reason = ""
         try:
@@ -215,14 +215,14 @@ def _compile(source: Source, toolchain: Toolchain, work: Path, library: Path) ->
         process = run(command, cwd=str(work))
         if process.returncode == 0 and library.exists():
             return
-    said = output(process)
-    if any(text in said for text in _NO_ROOM):
-        raise OSError(f"the compiler could not write its output; it said:\n{said}")
-    _check_that_it_builds_anything(toolchain, work)
+    messages = output(process)
+    if any(text in messages for text in _NO_ROOM):
+        raise OSError(f"the compiler could not write its output; it said:\n{messages}")
+    _check_compiler(toolchain, work)
     raise CompilerError(_refusal(f"refused {', '.join(sources)}", toolchain, command, process))
 
 
-def _check_that_it_builds_anything(toolchain: Toolchain, work: Path) -> None:
+def _check_compiler(toolchain: Toolchain, work: Path) -> None:
     (work / "trivial.c").write_bytes(_TRIVIAL)
     command = toolchain.compile_command(["trivial.c"], f"trivial{EXTENSION}")
     process = run(command, cwd=str(work))
@@ -231,13 +231,13 @@ def _check_that_it_builds_anything(toolchain: Toolchain, work: Path) -> None:
 
 
 def _refusal(
-    what: str,
+    failure: str,
     toolchain: Toolchain,
     command: Sequence[str],
     process: subprocess.CompletedProcess[bytes],
 ) -> str:
     return (
-        f"{toolchain.name} {what}\ncommand: {' '.join(command)}\n"
+        f"{toolchain.name} {failure}\ncommand: {' '.join(command)}\n"
         f"exit status {process.returncode}; it said:\n{output(process)}\n"
         "(KOUSOKU_CC chooses another compiler; KOUSOKU_CC=none the NumPy kernels)"
     )

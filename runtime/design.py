@@ -1,4 +1,4 @@
-"""Numbers of a scene that depend on parameters: what they are with those of a run.
+"""Numbers of a scene that depend on parameters: their values with those of a run.
 
 ``motion.json`` has an index in place of each; the solver computes them.
 """
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from kousoku.runtime.integrate.arithmetic import Array
 
 
-#: Rows, and moves, depend on others by less than this part.
+#: Singular values, and shares of rows, below this part are zero.
 INDEPENDENT = 1e-9
 
 
@@ -34,11 +34,11 @@ class DesignPlaces:
     Parameters
     ----------
     place : (int, int)
-        In the memory for work, and how many.
+        First index in the workspace, and count.
     start : tuple of (int, int)
-        In (q, v) of what depends on parameters at the start, and among the numbers.
+        Indices in (q, v), and among the numbers, of what parameters change at the start.
     positive : tuple of (str, int)
-        Keys of the scene whose numbers must be positive, and where these are.
+        Keys of the scene whose numbers must be positive, and their indices.
     """
 
     place: tuple[int, int]
@@ -51,21 +51,21 @@ class DesignPlaces:
         base, size = data["place"]
         return cls(
             (base, size),
-            tuple((place, at) for place, at in data["start"]),
-            tuple((name, at) for name, at in data["positive"]),
+            tuple((column, index) for column, index in data["start"]),
+            tuple((name, index) for name, index in data["positive"]),
         )
 
     def problems(self, numbers: Array) -> Iterator[str]:
         """Problems with the numbers (n,) of the design, in SI units."""
-        for name, at in self.positive:
-            if not numbers[at] > 0.0:
-                yield f"{name} is {numbers[at]:.6g}; wanted a positive number"
+        for name, index in self.positive:
+            if not numbers[index] > 0.0:
+                yield f"{name} is {numbers[index]:.6g}; wanted a positive number"
         if not np.isfinite(numbers).all():
             yield "a formula of the scene has no finite value; wanted parameters for which it has"
 
 
 def with_parameters(solver: DynamicsSolver, values: Array) -> DynamicsSolver:
-    """Solver whose start, bodies and joints are those that some parameters make.
+    """Solver with the start, bodies and joints that follow from some parameters.
 
     Parameters
     ----------
@@ -80,8 +80,8 @@ def with_parameters(solver: DynamicsSolver, values: Array) -> DynamicsSolver:
         A number of the scene is not possible with them; the message has its key.
     """
     if solver.base is not None:
-        own = np.array([value for _, value in solver.parameters])
-        if np.array_equal(values, own):
+        current = np.array([value for _, value in solver.parameters])
+        if np.array_equal(values, current):
             return solver
         solver = solver.base
     design = solver.design
@@ -93,10 +93,10 @@ def with_parameters(solver: DynamicsSolver, values: Array) -> DynamicsSolver:
     numbers = work[base : base + size]
     if problems := list(design.problems(numbers)):
         listed = "; ".join(dict.fromkeys(problems))
-        raise SolveError(f"{solver.name}: with {told(solver, values)}: {listed}")
+        raise SolveError(f"{solver.name}: with {parameters_text(solver, values)}: {listed}")
     state = np.concatenate([solver.q, solver.v])
-    for place, at in design.start:
-        state[place] = numbers[at]
+    for column, index in design.start:
+        state[column] = numbers[index]
     count = len(solver.q)
     return replace(
         solver,
@@ -114,9 +114,9 @@ def not_closed(solver: DynamicsSolver, work: Array, times: float) -> str:
     solver : DynamicsSolver
         A scene.
     work : (work_size,) array
-        Where its solver evaluated the rows [m, rad].
+        Workspace in which its solver evaluated the rows [m, rad].
     times : float [-]
-        So many times the closure tolerance is what they may miss.
+        Largest residual of a closed joint, in closure tolerances.
     """
     rows, limit = solver.checked, times * solver.layout.closure_tolerance
     base, _ = solver.places.get("C", solver.places["C_left_out"])
@@ -146,24 +146,26 @@ def loops_that_open(solver: DynamicsSolver, values: Array) -> str:
     scene = solver if solver.base is None else solver.base
     rows, count = solver.checked, len(solver.rows)
     units = np.array([solver.length if unit == "m" else 1.0 for _, unit in rows])
-    own = np.array([value for _, value in scene.parameters])
-    before = _rates_of_rows(scene, own) / units[:, np.newaxis]
+    nominal = np.array([value for _, value in scene.parameters])
+    before = _rates_of_rows(scene, nominal) / units[:, np.newaxis]
     after = _rates_of_rows(with_parameters(scene, values), values) / units[:, np.newaxis]
     if not (np.isfinite(before).all() and np.isfinite(after).all()):
         return ""
     _, sizes, moves = np.linalg.svd(after[:count])
     free = moves[np.count_nonzero(sizes > INDEPENDENT * sizes.max(initial=0.0)) :]
-    found: dict[str, str] = {}
+    open_joints: dict[str, str] = {}
     for k in range(count, len(rows)):
         joint, unit = rows[k]
         missed = units[k] * float(np.linalg.norm(free @ after[k]))
         if missed <= solver.layout.closure_tolerance * units[k]:
             continue
         shares = np.linalg.lstsq(before[:count].T, before[k], rcond=INDEPENDENT)[0]
-        others = [rows[n][0] for n in np.flatnonzero(np.abs(shares) > INDEPENDENT).tolist()]
-        loop = listed(list(dict.fromkeys(map(scene_key, [joint, *others]))))
-        found.setdefault(joint, f"{scene_key(joint)} by {missed:.3g} {unit} in the loop of {loop}")
-    return ", ".join(list(found.values())[:MOST_PARTS_SHOWN])
+        implying = [rows[n][0] for n in np.flatnonzero(np.abs(shares) > INDEPENDENT).tolist()]
+        loop = listed(list(dict.fromkeys(map(scene_key, [joint, *implying]))))
+        open_joints.setdefault(
+            joint, f"{scene_key(joint)} by {missed:.3g} {unit} in the loop of {loop}"
+        )
+    return ", ".join(list(open_joints.values())[:MOST_PARTS_SHOWN])
 
 
 def _rates_of_rows(solver: DynamicsSolver, values: Array) -> Array:
@@ -193,15 +195,15 @@ def nearly_redundant(solver: DynamicsSolver, values: Array) -> str:
     str
         Empty where rows are independent.
     """
-    there, target = with_parameters(solver, values), solver.target
+    adapted, target = with_parameters(solver, values), solver.target
     memory = Memory(np.zeros(target.state_size), np.zeros(target.work_size))
-    if target.starter(0.0, there.q, there.v, values, memory)() != Status.DEPENDENT:
+    if target.starter(0.0, adapted.q, adapted.v, values, memory)() != Status.DEPENDENT:
         return ""
-    name, tolerance = f"with {told(solver, values)}", solver.layout.closure_tolerance
+    name, tolerance = f"with {parameters_text(solver, values)}", solver.layout.closure_tolerance
     return nearly_dependent(name, solver.checked, solver.places, memory.work, tolerance)
 
 
-def told(solver: DynamicsSolver, values: Array) -> str:
+def parameters_text(solver: DynamicsSolver, values: Array) -> str:
     """Parameters and their values (n,) in one line, each in its unit."""
-    given = zip(solver.parameters, values, strict=True)
-    return ", ".join(f"{name} = {value:.6g}" for (name, _), value in given)
+    pairs = zip(solver.parameters, values, strict=True)
+    return ", ".join(f"{name} = {value:.6g}" for (name, _), value in pairs)

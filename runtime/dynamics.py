@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from kousoku.runtime.integrate.motion import Motion
     from kousoku.runtime.integrate.state import Field
 
-#: Counts that are not said where there are none.
+#: Counts that are named only where there are some.
 SAID_IF_ANY = ("driver", "dependent row")
 
 
@@ -51,36 +51,36 @@ class DynamicsSolver:
     name : str
         The scene.
     layout : Layout
-        What stands where in a row.
+        Columns of a row.
     q, v : array
         Coordinates and velocities at the start.
     target : SolverTarget
-        What computes.
+        Target that computes.
     rows : tuple of (str, str)
         Joint or driver of each constraint, and the unit of its residual: m or rad.
     left_out : tuple of (str, str)
-        The same of constraints that depend on others and are not solved for.
+        Joint and unit of constraints that depend on others and are not solved for.
     satisfied : tuple of (str, str)
-        The same of constraints that hold by themselves: bodies are put onto these joints.
+        Joint and unit of constraints that hold by themselves: bodies are put onto their joints.
     conserved : tuple of ConservedPlaces
         Parts of the scene that conserve some momentum.
     parameters : tuple of (str, float)
-        What a run may change, and its value in the scene.
+        Name of each parameter, and its value in the scene.
     is_driven : bool
         Whether drivers determine the whole motion.
     has_masses : bool
         Whether the scene gives all masses; else no energy or work of it is known.
     places : mapping of str to (int, int)
-        Where what :meth:`evaluate` returns is in the memory for work, and how many numbers.
+        First index in the workspace of each output of :meth:`evaluate`, and its size.
     state : mapping of str to Field
-        Where what is in the state of a run.
+        Fields of the state of a run.
     moved : mapping of str to Moved
-        What assembly changed of bodies, the one that changed most first.
+        Changes of bodies by assembly, the largest first.
     design : DesignPlaces, optional
         Numbers of the scene that depend on parameters, where it has some. Then ``q`` and ``v`` are
         the start with the parameters of the scene, and :meth:`at` has that with others.
     base : DynamicsSolver, optional
-        Of a solver with other parameters that with those of the scene.
+        Of a solver with other parameters: the solver with those of the scene.
     """
 
     name: str
@@ -131,20 +131,20 @@ class DynamicsSolver:
 
     @property
     def counts(self) -> tuple[tuple[int, str, str], ...]:
-        """Counts that tell scenes apart: how many, of what, and of several."""
+        """Counts of bodies, joints and others: number, noun, and its plural."""
         drivers = sum(name.startswith("drivers.") for name in self.layout.checked)
         degrees = len(self.v) - len(self.rows) - len(self.satisfied)
-        found = (
+        counts = (
             (len(self.bodies), "body", "bodies"),
             (len(self.layout.checked) - drivers, "joint", "joints"),
             (drivers, "driver", "drivers"),
             (degrees, "degree of freedom", "degrees of freedom"),
             (len(self.left_out), "dependent row", "dependent rows"),
         )
-        return tuple(one for one in found if one[0] or one[1] not in SAID_IF_ANY)
+        return tuple(count for count in counts if count[0] or count[1] not in SAID_IF_ANY)
 
     def of_bodies(self, what: str) -> DynamicsSolver:
-        """Solver itself, as that of bodies, which alone have what is asked for."""
+        """Solver itself: scenes of bodies have what is asked for."""
         return self
 
     def along_inputs(
@@ -254,9 +254,9 @@ class DynamicsSolver:
         SolveError
             There is no such parameter, or a number of the scene is not possible with them.
         """
-        given = with_values(self, parameters)
-        placed = with_parameters(self, np.array([value for _, value in given]))
-        return replace(placed, parameters=given, base=self.base or self)
+        values = with_values(self, parameters)
+        adapted = with_parameters(self, np.array([value for _, value in values]))
+        return replace(adapted, parameters=values, base=self.base or self)
 
     def evaluate(
         self,
@@ -297,10 +297,10 @@ class DynamicsSolver:
         """
         values = np.array([value for _, value in with_values(self, parameters)])
         require_numbers(self.name, time=time)
-        there = with_parameters(self, values)
+        adapted = with_parameters(self, values)
         state = []
-        for name, given, start in (("q", q, there.q), ("v", v, there.v)):
-            array = numbers_of(self.name, name, start if given is None else given)
+        for name, numbers, start in (("q", q, adapted.q), ("v", v, adapted.v)):
+            array = numbers_of(self.name, name, start if numbers is None else numbers)
             require_shape(self.name, name, array, start)
             state.append(array)
         work = np.zeros(self.target.work_size)
@@ -316,8 +316,8 @@ class DynamicsSolver:
         SolveError
             It belongs to another solver, or is no saved run, or was cut, forged or damaged.
         """
-        found = checked_run(self, saved)
-        return Run(self, found.times, found.options, found)
+        checked = checked_run(self, saved)
+        return Run(self, checked.times, checked.options, checked)
 
 
 def load_dynamics(folder: str | Path, *, target: Target = "auto") -> DynamicsSolver:

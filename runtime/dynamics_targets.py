@@ -34,7 +34,7 @@ class Memory:
     Parameters
     ----------
     state : array
-        All that lasts from call to call.
+        Numbers that last from call to call.
     work : array
         Memory for work.
     """
@@ -49,7 +49,7 @@ class SolverTarget(Protocol):
     Parameters
     ----------
     name : {"c", "numpy"}
-        What computes.
+        Target that computes.
     state_size, work_size, row_size : int
         Counts of numbers in a state, in the memory for work, and in a row of results.
     sources : Sources
@@ -95,10 +95,10 @@ class SolverTarget(Protocol):
         Arguments as of :meth:`starter`, the time in [s].
         """
 
-    def residuals(self, memory: Memory, found: Array) -> None:
-        """Write C(q) to ``found`` (nc,) [m, rad] where it was evaluated last."""
+    def residuals(self, memory: Memory, out: Array) -> None:
+        """Write C(q) to ``out`` (nc,) [m, rad] where it was evaluated last."""
 
-    def pivots(self, memory: Memory, found: Array) -> int:
+    def pivots(self, memory: Memory, out: Array) -> int:
         """Write D (nc,) [1/kg] of C_q M⁻¹C_qᵀ = L D Lᵀ at the state, of angles at the length."""
 
 
@@ -109,7 +109,7 @@ _TYPES: dict[type, type[ctypes.c_double | ctypes.c_int]] = {
 }
 
 
-#: What begins where an array does.
+#: Empty type, to take the address of an array.
 _NOTHING = ctypes.c_char * 0
 
 
@@ -134,7 +134,7 @@ class CompiledSolver:
     library : ctypes.CDLL
         The loaded library.
     sources : Sources
-        What it was built of.
+        Its sources.
     """
 
     name = "c"
@@ -182,13 +182,13 @@ class CompiledSolver:
         arrays = map(_address, (q, v, parameters, work))
         return int(self._function("evaluate")(ctypes.c_double(time), *arrays))
 
-    def residuals(self, memory: Memory, found: Array) -> None:
-        """Write C(q) to ``found`` (nc,) [m, rad] where it was evaluated last."""
-        self._function("residuals", None)(_address(memory.work), _address(found))
+    def residuals(self, memory: Memory, out: Array) -> None:
+        """Write C(q) to ``out`` (nc,) [m, rad] where it was evaluated last."""
+        self._function("residuals", None)(_address(memory.work), _address(out))
 
-    def pivots(self, memory: Memory, found: Array) -> int:
+    def pivots(self, memory: Memory, out: Array) -> int:
         """Write D (nc,) [1/kg] of C_q M⁻¹C_qᵀ = L D Lᵀ at the state, of angles at the length."""
-        arrays = map(_address, (memory.state, memory.work, found))
+        arrays = map(_address, (memory.state, memory.work, out))
         return int(self._function("pivots")(*arrays))
 
 
@@ -203,7 +203,7 @@ class NumpySolver:
     Parameters
     ----------
     solver : SceneSolver
-        That of the imported ``solver.py``, with the integrator of its folder.
+        Solver of the imported ``solver.py``, with the integrator of its folder.
     """
 
     name = "numpy"
@@ -239,9 +239,9 @@ class NumpySolver:
         is one from which a run goes on.
         """
         before = memory.state.copy()
-        given = (settings, times, max_steps, memory.state, memory.work, rows)
+        arguments = (settings, times, max_steps, memory.state, memory.work, rows)
         try:
-            status, _ = self.solver.run(*given)
+            status, _ = self.solver.run(*arguments)
         except BaseException:
             memory.state[:] = before
             raise
@@ -251,13 +251,13 @@ class NumpySolver:
         """Compute all that the scene has at q (nq,) and v (nv,), in SI units; the work has it."""
         return int(self.solver.evaluate(time, q, v, parameters, work))
 
-    def residuals(self, memory: Memory, found: Array) -> None:
-        """Write C(q) to ``found`` (nc,) [m, rad] where it was evaluated last."""
-        self.solver.residuals(memory.work, found)
+    def residuals(self, memory: Memory, out: Array) -> None:
+        """Write C(q) to ``out`` (nc,) [m, rad] where it was evaluated last."""
+        self.solver.residuals(memory.work, out)
 
-    def pivots(self, memory: Memory, found: Array) -> int:
+    def pivots(self, memory: Memory, out: Array) -> int:
         """Write D (nc,) [1/kg] of C_q M⁻¹C_qᵀ = L D Lᵀ at the state, of angles at the length."""
-        return int(self.solver.pivots(memory.state, memory.work, found))
+        return int(self.solver.pivots(memory.state, memory.work, out))
 
 
 def open_target(sources: Sources, target: Target) -> SolverTarget:
@@ -267,7 +267,7 @@ def open_target(sources: Sources, target: Target) -> SolverTarget:
 
 
 def load_numpy(sources: Sources, reason: Exception | None = None) -> NumpySolver:
-    """Load the solver in NumPy, and say in one line what that means.
+    """Load the solver in NumPy, and say in one line what it costs.
 
     Parameters
     ----------

@@ -56,10 +56,12 @@ class BodiesCheck(SolverCheck[DynamicsSolver]):
         return open_dynamics(self.sources, target)
 
     def require(self, data: Mapping[str, Any]) -> object:
-        """Look at all that reference values must have."""
-        independent = [(one["label"], one["values"]) for one in data["independent"]]
+        """Read all that reference values must have."""
+        independent = [(record["label"], record["values"]) for record in data["independent"]]
         points = [(point["label"], point["outputs"]) for point in data["points"]]
-        functions = [(one["time"], one["read"], one["values"]) for one in data["functions"]]
+        functions = [
+            (record["time"], record["read"], record["values"]) for record in data["functions"]
+        ]
         return points, independent, functions, data["is_exact"], data["is_smooth"]
 
     def rows(self, solver: DynamicsSolver, data: Mapping[str, Any]) -> Iterable[Row]:
@@ -101,28 +103,28 @@ class BodiesCheck(SolverCheck[DynamicsSolver]):
 
 
 def _code_problems(folder: Path, files: Mapping[str, bytes]) -> Iterator[str]:
-    """Codes of what a call returns that are others in C."""
+    """Status codes whose values in C differ."""
     if HEADER not in files:
         return
     text = files[HEADER].decode()
     codes = {status.name: status.value for status in Status}
     codes |= {f"DOUBT_{doubt.name}": doubt.value for doubt in Doubt}
     for name, value in codes.items():
-        found = re.search(rf"_{name} = (.*?),?\n", text)
-        if found is None or found[1] != str(value):
-            got = "none" if found is None else found[1]
-            yield f"{folder / HEADER}: {name} is {got}, wanted {value}"
+        match = re.search(rf"_{name} = (.*?),?\n", text)
+        if match is None or match[1] != str(value):
+            actual = "none" if match is None else match[1]
+            yield f"{folder / HEADER}: {name} is {actual}, wanted {value}"
 
 
 def _rows(solver: DynamicsSolver, points: Sequence[Mapping[str, Any]]) -> Iterator[Row]:
     """Error of each region at each state."""
     for number, point in enumerate(points):
         q, v = (np.array(point[name], dtype=np.float64) for name in ("q", "v"))
-        given = zip(solver.parameters, point.get("parameters", ()), strict=False)
-        found = solver.evaluate(point["time"], q, v, {name: value for (name, _), value in given})
+        values = zip(solver.parameters, point.get("parameters", ()), strict=False)
+        outputs = solver.evaluate(point["time"], q, v, {name: value for (name, _), value in values})
         for name, columns in point["outputs"].items():
             row = Expected.of_columns(columns).row(
-                found[name],
+                outputs[name],
                 kernel="solver",
                 output=name,
                 way=NAMES[solver.target.name],
@@ -140,7 +142,7 @@ def _bound_rows(solver: DynamicsSolver, points: Sequence[Mapping[str, Any]]) -> 
 
 
 def _owner(solver: DynamicsSolver, region: str, element: int) -> str:
-    """Say which joint a number belongs to."""
+    """Text with the joint of a number, empty where it has none."""
     if region in BY_ROW and element < len(solver.rows):
         return f", {scene_key(solver.rows[element][0])}"
     return ""
@@ -152,12 +154,12 @@ def _parameters(points: Sequence[Mapping[str, Any]]) -> Sequence[float]:
 
 
 def _differences(
-    one: DynamicsSolver, other: DynamicsSolver, values: Sequence[float], *, is_exact: bool
+    base: DynamicsSolver, other: DynamicsSolver, values: Sequence[float], *, is_exact: bool
 ) -> Iterator[str]:
     """Differences between two targets: the first steps of each method, and the rows."""
-    for method in METHOD_NAMES if one.is_driven else RUNGE_KUTTA:
+    for method in METHOD_NAMES if base.is_driven else RUNGE_KUTTA:
         try:
-            runs = [_run(solver, method, values) for solver in (one, other)]
+            runs = [_run(solver, method, values) for solver in (base, other)]
         except SolveError as error:
             yield f"solver, {method}: {error}"
             continue
@@ -165,22 +167,22 @@ def _differences(
         if is_exact:
             a, b = (np.concatenate([run.state, x]) for run, x in zip(runs, (a, b), strict=True))
         limit = 0.0 if is_exact else MOST_RELATIVE_DIFFERENCE * float(np.nanmax(np.abs(a)))
-        places = np.flatnonzero(~((np.abs(a - b) <= limit) | (np.isnan(a) & np.isnan(b))))
-        if len(places):
+        differing = np.flatnonzero(~((np.abs(a - b) <= limit) | (np.isnan(a) & np.isnan(b))))
+        if len(differing):
             yield (
-                f"solver, {method}: {NAMES[one.target.name]} and {NAMES[other.target.name]} differ"
-                f" after {STEPS} steps in {len(places)} of {len(a)} numbers of the run, first at"
-                f" {places[0]}: {float(a[places[0]])!r} and {float(b[places[0]])!r}"
+                f"solver, {method}: {NAMES[base.target.name]} and {NAMES[other.target.name]} differ"
+                f" after {STEPS} steps in {len(differing)} of {len(a)} numbers of the run, first at"
+                f" {differing[0]}: {float(a[differing[0]])!r} and {float(b[differing[0]])!r}"
             )
 
 
 def _run(solver: DynamicsSolver, method: str, values: Sequence[float]) -> Run:
     """Make a few steps, then the same again with rows in between."""
     names = (name for name, _ in solver.parameters)
-    given = dict(zip(names, values, strict=False))
-    how: dict[str, Any] = {"tolerance": TOLERANCE, "method": method, "parameters": given}
-    first = solver.begin([0.0, 1.0], **how)
+    parameters = dict(zip(names, values, strict=False))
+    options: dict[str, Any] = {"tolerance": TOLERANCE, "method": method, "parameters": parameters}
+    first = solver.begin([0.0, 1.0], **options)
     first.advance(max_steps=STEPS)
-    run = solver.begin(np.linspace(0.0, first.time, ROWS), **how)
+    run = solver.begin(np.linspace(0.0, first.time, ROWS), **options)
     run.finish()
     return run

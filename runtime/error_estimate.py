@@ -1,4 +1,4 @@
-"""Error of the rows of a run: how far another run by another method is away from them."""
+"""Error of the rows of a run: their distance from a second run by another method."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 #: The second run is made with a tolerance, or a fixed step, that is this part of the first one's;
 #: with a tenth errors of both methods have been seen that were nearly the same.
 STRICTER, SHORTER = 0.01, 0.4
-#: Runs that are farther apart, in lengths of the scene or radians, tell nothing of each other.
+#: Difference, in lengths of the scene or radians, from which two runs are no estimate of errors.
 APART = 0.1
 
 
@@ -30,13 +30,13 @@ class ErrorEstimate:
     Parameters
     ----------
     length : float [unit of the scene]
-        Of the position of a body.
+        Largest difference of the position of a body.
     angle : float [rad]
-        Of the orientation of a body.
+        Largest difference of the orientation of a body.
     unit : str
         The unit of the scene.
     method : str
-        That of the second run.
+        Method of the second run.
     unknown_from : float or None [s]
         The last row before the runs are apart by a tenth of a length of the scene, or of a radian,
         as where a motion is chaotic, or before the second one has stopped: the estimate is of the
@@ -73,7 +73,7 @@ def second_options(options: Options) -> Options:
     """
     again = replace(options, estimate_error=False, checks=False)
     if options.method == KINEMATICS:
-        return again  # which rows it is asked for decides
+        return again  # its rows make other steps
     if options.step is not None:
         return replace(again, method="dop853", step=SHORTER * options.step)
     method = "dopri5" if options.method == "dop853" else "dop853"
@@ -110,14 +110,14 @@ def error_estimate(first: Motion, second: Motion, size: float) -> ErrorEstimate:
     count = min(len(first), len(second))
     lengths, angles = np.zeros(count), np.zeros(count)
     for name, position in first.position.items():
-        way = position[:count] - second.position[name][:count]
-        lengths = np.fmax(lengths, np.sqrt(np.einsum("ij,ij->i", way, way)))
+        offset = position[:count] - second.position[name][:count]
+        lengths = np.fmax(lengths, np.sqrt(np.einsum("ij,ij->i", offset, offset)))
     for name, p in first.orientation.items():
-        ways = [p[:count] + sign * second.orientation[name][:count] for sign in (-1.0, 1.0)]
-        chord = np.sqrt(np.minimum(*(np.einsum("ij,ij->i", way, way) for way in ways)))
+        offsets = [p[:count] + sign * second.orientation[name][:count] for sign in (-1.0, 1.0)]
+        chord = np.sqrt(np.minimum(*(np.einsum("ij,ij->i", offset, offset) for offset in offsets)))
         angles = np.fmax(angles, 4.0 * np.arcsin(np.minimum(0.5 * chord, 1.0)))
     apart = np.flatnonzero(~((lengths <= APART * size) & (angles <= APART)))
-    known = int(apart[0]) if len(apart) else count
-    unknown_from = float(first.time[max(known - 1, 0)]) if known < len(first) else None
-    length, angle = (float(part[:known].max(initial=0.0)) for part in (lengths, angles))
+    comparable = int(apart[0]) if len(apart) else count
+    unknown_from = float(first.time[max(comparable - 1, 0)]) if comparable < len(first) else None
+    length, angle = (float(errors[:comparable].max(initial=0.0)) for errors in (lengths, angles))
     return ErrorEstimate(length, angle, first.unit, second.method, unknown_from)

@@ -51,7 +51,7 @@ def ways(target: ChosenTarget) -> tuple[Way, ...]:
 def evaluate(kernel: Kernel, reference: Reference, way: Way) -> Iterator[EvaluatedOutput]:
     """Every output at every point, all of them together and each alone."""
     names = tuple(q.name for q in kernel.manifest.outputs)
-    # The points are chosen to hurt; that NumPy notices is no news.
+    # The points are chosen to be hard: NumPy's warnings are expected.
     with np.errstate(all="ignore"):
         for k, values in enumerate(_run(kernel, reference, way, names)):
             yield EvaluatedOutput(way, k, False, values)
@@ -71,7 +71,7 @@ def _run(
         ]
         return tuple(np.array(column).reshape((n, -1)) for column in zip(*results, strict=True))
     width = kernel.lane_width
-    # Full blocks and a rest, whatever the count of points is.
+    # Full blocks and a partial one, whatever the count of points is.
     rows = np.arange(n + width + (n % width == 0)) % n
     batch = tuple(array[rows] for array in reference.inputs)
     if way == "C lanes":

@@ -1,4 +1,4 @@
-"""Compare bounds of the functions whose roots a run looks for with what they are bounds of.
+"""Compare bounds of the functions whose roots a run seeks with the functions themselves.
 
 Bounds over no time, at the numbers of ``functions`` in ``reference.json.gz``, are values and rates.
 Those of a box must have between them what the functions are at places inside. Of distances a run
@@ -21,17 +21,17 @@ if TYPE_CHECKING:
     from kousoku.runtime.dynamics_targets import NumpySolver
     from kousoku.runtime.integrate.arithmetic import Array
 
-    #: What is compared, errors in units, what was computed, and what is wanted.
+    #: Name, errors in units, computed numbers and references.
     Compared = tuple[str, Array, Array, Array]
 
 #: Segments that bound functions: least and most of value and rate.
 SEGMENTS = ("switching", "bending", "crossing")
 #: Regions of the segment ``distance``, which has values alone.
 DISTANCES = ("lengths", "distances")
-#: What is said of such a row.
+#: Kernel that a report names for these rows.
 KERNEL = "bounds"
-#: Half of the sides of boxes, as parts of one and of what is read, and at how many places inside
-#: functions are looked at.
+#: Half sides of boxes, as parts of one and of the numbers read, and count of points inside of a
+#: box at which functions are evaluated.
 HALF_SIDES, INSIDE = (2.0**-20, 2.0**-7, 2.0**-2), 5
 #: The unit of error inside of a box, as a part of one and of the number.
 UNIT = 2.0**-24
@@ -43,7 +43,7 @@ def bound_rows(solver: NumpySolver, points: Sequence[Mapping[str, Any]]) -> Iter
     Parameters
     ----------
     solver : NumpySolver
-        That of a scene.
+        Solver of a scene.
     points : sequence
         Times, what is read there, and values and rates.
     """
@@ -52,93 +52,93 @@ def bound_rows(solver: NumpySolver, points: Sequence[Mapping[str, Any]]) -> Iter
     w.prepare(scene.parameters)
     with np.errstate(all="ignore"):
         for number, point in enumerate(points):
-            place = np.array([[point["time"], 1.0, 0.0], *point["read"]])
-            known = {
+            center = np.array([[point["time"], 1.0, 0.0], *point["read"]])
+            references = {
                 name: np.array([row or [np.nan] * 3 for row in values])
                 for name, values in point["values"].items()
             }
-            distances = {name: known.pop(name) for name in DISTANCES if name in known}
-            compared = [*_evaluated(place, distances, w), *_exact(place, known, w)]
+            distances = {name: references.pop(name) for name in DISTANCES if name in references}
+            compared = [*_evaluated(center, distances, w), *_exact(center, references, w)]
             for half_side in HALF_SIDES:
-                half = half_side * np.maximum(1.0, np.abs(place))
+                half = half_side * np.maximum(1.0, np.abs(center))
                 half[0, 1:] = 0.0  # time goes on evenly
-                ways = half * random.uniform(-1.0, 1.0, (INSIDE, *half.shape))
-                compared += _in_a_box(place, half, ways, known, w)
-            for name, errors, got, wanted in compared:
-                yield _row(name, number, errors, got, wanted)
+                offsets = half * random.uniform(-1.0, 1.0, (INSIDE, *half.shape))
+                compared += _in_a_box(center, half, offsets, references, w)
+            for name, errors, computed, expected in compared:
+                yield _row(name, number, errors, computed, expected)
 
 
-def _evaluated(place: Array, known: Mapping[str, Array], w: Workspace) -> Iterator[Compared]:
+def _evaluated(center: Array, references: Mapping[str, Array], w: Workspace) -> Iterator[Compared]:
     """Errors of values at a place (k, 3)."""
-    w.t[0] = place[0, 0]
-    w.measures[:] = place[1:, :2].ravel()
+    w.t[0] = center[0, 0]
+    w.measures[:] = center[1:, :2].ravel()
     w.run("distance")
-    for name, (value, _, unit) in _columns(known):
-        found = _as_many(getattr(w, name), value.shape)
-        yield name, np.abs(found - value) / unit, found, value
+    for name, (value, _, unit) in _columns(references):
+        computed = _shaped(getattr(w, name), value.shape)
+        yield name, np.abs(computed - value) / unit, computed, value
 
 
-def _exact(place: Array, known: Mapping[str, Array], w: Workspace) -> Iterator[Compared]:
+def _exact(center: Array, references: Mapping[str, Array], w: Workspace) -> Iterator[Compared]:
     """Errors of bounds of no width at a place (k, 3): they are values and rates."""
-    exact = _bounds(place, place, known, w)
-    for name, (value, rate, unit) in _columns(known):
-        found, wanted = exact[name], np.hstack((value, value, rate, rate))
-        yield name, np.abs(found - wanted) / unit, found, wanted
+    exact = _bounds(center, center, references, w)
+    for name, (value, rate, unit) in _columns(references):
+        computed, expected = exact[name], np.hstack((value, value, rate, rate))
+        yield name, np.abs(computed - expected) / unit, computed, expected
 
 
 def _in_a_box(
-    place: Array, half: Array, ways: Array, known: Mapping[str, Array], w: Workspace
+    center: Array, half: Array, offsets: Array, references: Mapping[str, Array], w: Workspace
 ) -> Iterator[Compared]:
-    """Errors of bounds of a box about a place (k, 3): what is beyond them some ways from there."""
-    box = _bounds(place - half, place + half, known, w)
-    for way in ways:
-        found = _bounds(place + way, place + way, known, w)
-        for name, (_, _, unit) in _columns(known):
-            inside = found[name]
-            told = np.where(np.isinf(box[name]), np.nan, box[name])
-            beyond = (told - inside) * [1.0, -1.0, 1.0, -1.0]
+    """Errors of bounds of a box about a place (k, 3): excess of values at some offsets from it."""
+    box = _bounds(center - half, center + half, references, w)
+    for offset in offsets:
+        values = _bounds(center + offset, center + offset, references, w)
+        for name, (_, _, unit) in _columns(references):
+            inside = values[name]
+            bounds = np.where(np.isinf(box[name]), np.nan, box[name])
+            beyond = (bounds - inside) * [1.0, -1.0, 1.0, -1.0]
             errors = beyond / np.fmax(unit, UNIT * np.maximum(1.0, np.abs(inside)))
             yield f"{name} in a box", errors, box[name], inside
 
 
-def _as_many(numbers: Array, shape: tuple[int, ...]) -> Array:
-    """Numbers of a region in a shape, infinite where it has not as many as its functions want."""
-    is_whole = numbers.size == np.prod(shape)
-    return numbers.reshape(shape).copy() if is_whole else np.full(shape, np.inf)
+def _shaped(numbers: Array, shape: tuple[int, ...]) -> Array:
+    """Numbers of a region in a shape, infinite where their count is another."""
+    is_complete = numbers.size == np.prod(shape)
+    return numbers.reshape(shape).copy() if is_complete else np.full(shape, np.inf)
 
 
-def _columns(known: Mapping[str, Array]) -> Iterator[tuple[str, list[Array]]]:
+def _columns(references: Mapping[str, Array]) -> Iterator[tuple[str, list[Array]]]:
     """Values, rates and units (n, 1) of the functions of each region."""
-    for name, rows in known.items():
+    for name, rows in references.items():
         yield name, np.split(rows, 3, axis=1)
 
 
 def _bounds(
-    least: Array, most: Array, known: Mapping[str, Array], w: Workspace
+    least: Array, most: Array, references: Mapping[str, Array], w: Workspace
 ) -> dict[str, Array]:
-    """Bounds (n, 4) by region of known functions, where what is read, time first, is in a box."""
+    """Bounds (n, 4) of functions by region, over a box of what they read, time first."""
     ends = np.stack((least, most), axis=-1).ravel()
     numbers = [*ends[:2], *ends[6:]]  # of the time no rate
     for region in (w.span, w.law_span, w.ranges):
         region[:] = numbers[: len(region)]  # scenes lack some of them
     for segment in SEGMENTS:
         w.run(segment)
-    return {name: _as_many(getattr(w, name), (len(rows), 4)) for name, rows in known.items()}
+    return {name: _shaped(getattr(w, name), (len(rows), 4)) for name, rows in references.items()}
 
 
-def _row(name: str, number: int, errors: Array, got: Array, wanted: Array) -> Row:
-    """Worst error (n, 1) or (n, 4) of a region; where nothing is known, or told, there is none."""
-    known = np.where(np.isnan(errors), 0.0, errors)
-    k, part = np.unravel_index(int(np.argmax(known)), known.shape)
+def _row(name: str, number: int, errors: Array, computed: Array, expected: Array) -> Row:
+    """Worst error (n, 1) or (n, 4) of a region; NaN, without reference or bound, is none."""
+    finite = np.where(np.isnan(errors), 0.0, errors)
+    k, column = np.unravel_index(int(np.argmax(finite)), finite.shape)
     return Row(
         kernel=KERNEL,
         output=name,
         way=NAMES["numpy"],
-        worst=max(0.0, float(known[k, part])),
-        element=(int(k), int(part)),
+        worst=max(0.0, float(finite[k, column])),
+        element=(int(k), int(column)),
         point=number,
         label="drawn",
         inputs=(),
-        got=float(got[k, part]),
-        wanted=float(wanted[k, part]),
+        got=float(computed[k, column]),
+        wanted=float(expected[k, column]),
     )

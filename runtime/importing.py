@@ -32,8 +32,8 @@ class _Verified(MetaPathFinder, InspectLoader):
         """Find a module among the sources, and leave all others to Python."""
         if fullname not in self.sources:
             return None
-        place, _ = self.sources[fullname]
-        spec = ModuleSpec(fullname, self, origin=place, is_package=self.is_package(fullname))
+        origin, _ = self.sources[fullname]
+        spec = ModuleSpec(fullname, self, origin=origin, is_package=self.is_package(fullname))
         spec.has_location = True
         return spec
 
@@ -47,8 +47,8 @@ class _Verified(MetaPathFinder, InspectLoader):
 
     def exec_module(self, module: types.ModuleType) -> None:
         """Run a module."""
-        place, source = self.sources[module.__name__]
-        exec(compile(source, place, "exec", dont_inherit=True), module.__dict__)
+        origin, source = self.sources[module.__name__]
+        exec(compile(source, origin, "exec", dont_inherit=True), module.__dict__)
 
 
 _VERIFIED = _Verified()
@@ -83,20 +83,20 @@ def import_source(folder: Path, files: Mapping[str, bytes], name: str) -> types.
         total.update(b"%d %s%d " % (len(path), path.encode(), len(data)))
         total.update(data)
     top = f"kousoku_{folder.name.replace('.', '_')}_{total.hexdigest()[:16]}"
-    found = {top: (str(folder / "__init__.py"), b"")}
+    modules = {top: (str(folder / "__init__.py"), b"")}
     for path, data in sources.items():
         parts = path.removesuffix(".py").split("/")
         if parts != ["__init__"]:
             dotted = ".".join((top, *parts)).removesuffix(".__init__")
-            found[dotted] = (str(folder / path), data)
-    _VERIFIED.sources.update(found)
+            modules[dotted] = (str(folder / path), data)
+    _VERIFIED.sources.update(modules)
     if _VERIFIED not in sys.meta_path:
         sys.meta_path.insert(0, _VERIFIED)
     try:
         return import_module(".".join((top, *name.removesuffix(".py").split("/"))))
     except ModuleNotFoundError as error:
-        own, _, missed = (error.name or "").partition(".")
-        if own != top:
+        package, _, missed = (error.name or "").partition(".")
+        if package != top:
             raise
         raise LoadError(
             f"{folder}: {missed.replace('.', '/')}.py is wanted, and its manifest does not list it"

@@ -24,11 +24,11 @@ if TYPE_CHECKING:
 
     Numbers = list[tuple[str, float]]
 
-#: What is said of such a row.
+#: Kernel that a report names for these rows.
 KERNEL = "newton_euler"
-#: How far beside its joints a state is that is corrected, in metres and radians, and which part of
-#: its residuals that may leave: the square of them, where Newton's method leads onto the joints.
-OFF, MOST_LEFT_OPEN = 2.0**-20, 0.1
+#: Disturbance of a state off its joints before it is corrected, in metres and radians, and part of
+#: its residuals that the correction may leave: their square, where Newton's method converges.
+DISTURBANCE, LARGEST_REMAINDER = 2.0**-20, 0.1
 
 
 def independent_rows(solver: DynamicsSolver, points: Sequence[Mapping[str, Any]]) -> Iterator[Row]:
@@ -47,99 +47,107 @@ def independent_rows(solver: DynamicsSolver, points: Sequence[Mapping[str, Any]]
     worst: dict[str, Row] = {}
     for number, point in enumerate(points):
         for row in _rows_at(solver, number, point):
-            known = worst.get(row.output)
-            if known is None or not row.worst <= known.worst:
+            largest = worst.get(row.output)
+            if largest is None or not row.worst <= largest.worst:
                 worst[row.output] = row
     yield from worst.values()
 
 
 def _rows_at(solver: DynamicsSolver, number: int, point: Mapping[str, Any]) -> Iterator[Row]:
     q, v = (np.array(point[name], dtype=np.float64) for name in ("q", "v"))
-    found = solver.evaluate(point["time"], q, v)
+    outputs = solver.evaluate(point["time"], q, v)
     layout = solver.at({}).layout
-    computed = dict(_computed(layout, found, q, v))
-    part = _left_open(solver, point["time"], q, v) / MOST_LEFT_OPEN
-    computed["move"] = [("", part * 4.0 * point["values"]["move"]["unit"])]
-    for name, wanted in point["values"].items():
-        known: dict[str, list[float | None]] = {}
-        for owner, high in zip(wanted["names"], wanted["high"], strict=True):
-            known.setdefault(owner, []).append(high)
+    computed = dict(_computed(layout, outputs, q, v))
+    share = _remainder(solver, point["time"], q, v) / LARGEST_REMAINDER
+    computed["move"] = [("", share * 4.0 * point["values"]["move"]["unit"])]
+    for name, record in point["values"].items():
+        references: dict[str, list[float | None]] = {}
+        for owner, reference in zip(record["names"], record["high"], strict=True):
+            references.setdefault(owner, []).append(reference)
         compared = [
-            (owner, got, high)
+            (owner, value, reference)
             for owner, numbers in _by_owner(computed.get(name, [])).items()
-            for got, high in zip(numbers, known.get(owner, [np.nan] * len(numbers)), strict=True)
-            if high is not None and not (np.isnan(got) and name in {"force", "moment"})
+            for value, reference in zip(
+                numbers, references.get(owner, [np.nan] * len(numbers)), strict=True
+            )
+            if reference is not None and not (np.isnan(value) and name in {"force", "moment"})
         ]
         if not compared:
             continue
-        errors = [abs(got - high) for _, got, high in compared]
+        errors = [abs(value - reference) for _, value, reference in compared]
         element = int(np.argmax(np.where(np.isnan(errors), np.inf, errors)))
-        owner, got, high = compared[element]
-        size, unit = errors[element], wanted["unit"]
-        units = size / unit if unit else np.inf if size else 0.0
+        owner, value, reference = compared[element]
+        size, unit = errors[element], record["unit"]
+        error = size / unit if unit else np.inf if size else 0.0
         yield Row(
             kernel=KERNEL,
             output=name,
             way=NAMES[solver.target.name],
-            worst=float(np.inf if np.isnan(units) else units),
+            worst=float(np.inf if np.isnan(error) else error),
             element=(element,),
             point=number,
             label=point["label"] + (f", {owner}" if owner else ""),
             inputs=(("time", repr(point["time"])),),
-            got=float(got),
-            wanted=float(high),
+            got=float(value),
+            wanted=float(reference),
         )
 
 
-def _left_open(solver: DynamicsSolver, time: float, q: Array, v: Array) -> float:
-    """Residuals that a correction leaves beside a state, as a part of those before, but rounding.
+def _remainder(solver: DynamicsSolver, time: float, q: Array, v: Array) -> float:
+    """Residuals after a correction of a disturbed state, as a part of those before, but rounding.
 
-    Before it bodies are moved that are put onto their joints.
+    A correction before it moves the bodies that are put onto their joints.
     """
-    beside = q + OFF * np.cos(np.arange(1.0, len(q) + 1.0)) * np.maximum(1.0, np.abs(q))
+    beside = q + DISTURBANCE * np.cos(np.arange(1.0, len(q) + 1.0)) * np.maximum(1.0, np.abs(q))
     for body in solver.at({}).layout.bodies:  # turns leave Euler parameters of norm one
-        own = [k for k in body.p if isinstance(k, int)]
-        beside[own] -= q[own] * (q[own] @ (beside - q)[own])
-    left = []
+        indices = [k for k in body.p if isinstance(k, int)]
+        beside[indices] -= q[indices] * (q[indices] @ (beside - q)[indices])
+    residuals = []
     for _ in range(3):
-        found = solver.evaluate(time, beside, v)
-        left.append(_largest([found["C"]]))
-        beside = found["q_moved"]
-    rounding = OFF**2 * max(1.0, float(np.abs(q).max(initial=0.0)))
-    return left[2] / max(left[1], rounding)
+        outputs = solver.evaluate(time, beside, v)
+        residuals.append(_largest([outputs["C"]]))
+        beside = outputs["q_moved"]
+    rounding = DISTURBANCE**2 * max(1.0, float(np.abs(q).max(initial=0.0)))
+    return residuals[2] / max(residuals[1], rounding)
 
 
 def _by_owner(numbers: Numbers) -> dict[str, list[float]]:
-    found: dict[str, list[float]] = {}
+    by_owner: dict[str, list[float]] = {}
     for owner, x in numbers:
-        found.setdefault(owner, []).append(float(x))
-    return found
+        by_owner.setdefault(owner, []).append(float(x))
+    return by_owner
 
 
 def _computed(
-    layout: Layout, found: Mapping[str, Array], q: Array, v: Array
+    layout: Layout, outputs: Mapping[str, Array], q: Array, v: Array
 ) -> Iterator[tuple[str, Numbers]]:
     """Results of a solver, by the names of the reference, in SI units."""
-    tables = body_tables(layout.bodies, q[np.newaxis], v[np.newaxis], found["v_dot"][np.newaxis], 1)
+    tables = body_tables(
+        layout.bodies, q[np.newaxis], v[np.newaxis], outputs["v_dot"][np.newaxis], 1
+    )
     for name in ("acceleration", "angular_acceleration"):
         table = tables.get(name, {})
         yield name, [(body, x) for body, rows in table.items() for x in rows[0]]
     for k, name in enumerate(("coordinate", "coordinate_rate", "coordinate_acceleration")):
-        own = [(one, places[k]) for one, _, places in layout.coordinates if k < len(places)]
-        yield name, [(one, found["coordinates"][place]) for one, place in own]
-    if "energies" in found:
-        yield "energy", [*zip(("kinetic", "potential"), found["energies"], strict=True)]
-    yield "momenta", [("", x) for x in found.get("momenta", ())]
-    yield "power", [(name, found["q_dot"][place]) for name, place in layout.works]
-    for name, part in (("C", ("C", "C_left_out")), ("C_dot", ("C_dot",)), ("C_ddot", ("C_ddot",))):
-        yield name, [("", _largest([found[one] for one in part if one in found]))]
-    if "measures" in found:
-        yield "measure", [("", x) for x in found["measures"]]
-    yield "dq", [("", _largest([found["dq"]]))]
-    yield "dv", [("", _largest([found["dv"]]))]
-    yield "q_moved", [("", _largest([found["q_moved"] - q]))]
-    if "reactions" in found:
-        forces = [*_wrenches(layout, q, found["reactions"])]
+        columns = [
+            (coordinate, indices[k])
+            for coordinate, _, indices in layout.coordinates
+            if k < len(indices)
+        ]
+        yield name, [(coordinate, outputs["coordinates"][index]) for coordinate, index in columns]
+    if "energies" in outputs:
+        yield "energy", [*zip(("kinetic", "potential"), outputs["energies"], strict=True)]
+    yield "momenta", [("", x) for x in outputs.get("momenta", ())]
+    yield "power", [(name, outputs["q_dot"][index]) for name, index in layout.works]
+    for name, parts in (("C", ("C", "C_left_out")), ("C_dot", ("C_dot",)), ("C_ddot", ("C_ddot",))):
+        yield name, [("", _largest([outputs[part] for part in parts if part in outputs]))]
+    if "measures" in outputs:
+        yield "measure", [("", x) for x in outputs["measures"]]
+    yield "dq", [("", _largest([outputs["dq"]]))]
+    yield "dv", [("", _largest([outputs["dv"]]))]
+    yield "q_moved", [("", _largest([outputs["q_moved"] - q]))]
+    if "reactions" in outputs:
+        forces = [*_wrenches(layout, q, outputs["reactions"])]
         yield "force", [(name, x) for name, force, _ in forces for x in force]
         yield "moment", [(name, x) for name, _, moment in forces for x in moment]
 

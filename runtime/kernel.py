@@ -49,7 +49,7 @@ class Kernel:
     signature : Signature
         The checks.
     target : KernelTarget
-        What computes.
+        Target that computes.
     fast : callable, optional
         Tried first; it takes only arguments that need no conversion.
     """
@@ -170,8 +170,8 @@ class Kernel:
             return self._masks[outputs]
         except (KeyError, TypeError):  # not seen before, or a list
             key = outputs if isinstance(outputs, str) else tuple(outputs)
-        wanted = self._signature.select(key)
-        self._masks[key] = sum(1 << k for k, is_wanted in enumerate(wanted) if is_wanted)
+        flags = self._signature.select(key)
+        self._masks[key] = sum(1 << k for k, is_wanted in enumerate(flags) if is_wanted)
         return self._masks[key]
 
     def _flags(self, mask: int) -> tuple[bool, ...]:
@@ -186,7 +186,7 @@ class BoundKernel:
     inputs : tuple of arrays
         The inputs, as given.
     out : tuple of (array or None)
-        Where every output goes.
+        Arrays of the outputs.
     """
 
     __slots__ = ("_fast", "_kernel", "_results", "inputs", "out")
@@ -203,8 +203,8 @@ class BoundKernel:
         self.inputs = inputs
         self._check_inputs()
         call, self._results = kernel._signature.prepare(inputs, out, kernel._flags(mask))
-        given = iter(self._results)
-        self.out = tuple(None if array is None else next(given) for array in call.out)
+        results = iter(self._results)
+        self.out = tuple(None if array is None else next(results) for array in call.out)
 
     def __call__(self) -> tuple[Floats, ...]:
         """Evaluate and return the outputs asked for, the same arrays every time."""

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from kousoku.runtime.toolchain import Toolchain
 
 NUMPY_SOURCE, C_SOURCE, BATCH_SOURCE = "kernels.py", "kernels.c", "kernels_batch.c"
-#: What batches of all packages include.
+#: Header that batches of all packages include.
 LANES = Path(__file__).with_name("lanes.h")
 
 
@@ -38,17 +38,17 @@ class Library:
     Parameters
     ----------
     folder : Path
-        Where the package lies.
+        Folder of the package.
     manifest : Manifest
-        What it promises.
+        Its manifest.
     target : {"c", "numpy"}
-        What computes.
+        Target that computes.
     kernels : mapping of str to Kernel
         In the order of the manifest.
     path : Path or None
         The shared library, None for NumPy.
     damage : str
-        What was wrong with the library that lay in the cache before; ``""`` if nothing was.
+        Damage of the library that lay in the cache before; ``""`` if there was none.
     files : mapping of str to bytes
         Name and content of the files: pickled, the library takes them along.
     """
@@ -67,9 +67,9 @@ class Library:
         try:
             return self.kernels[name]
         except KeyError:
-            known = ", ".join(self.kernels)
+            names = ", ".join(self.kernels)
             raise NotInResultError(
-                f"{self.manifest.package} has no kernel {name!r}; it has {known}"
+                f"{self.manifest.package} has no kernel {name!r}; it has {names}"
             ) from None
 
     def __getattr__(self, name: str) -> Kernel:
@@ -157,7 +157,7 @@ def _load_numpy(sources: Sources, reason: Exception | None) -> Library:
 
 
 def c_sources(files: Mapping[str, bytes]) -> tuple[tuple[str, bytes], ...]:
-    """Sources of C among the files of a package, and what its batches include."""
+    """Sources of C among the files of a package, and the header that its batches include."""
     sources = tuple(item for item in files.items() if item[0].endswith((".c", ".h")))
     if BATCH_SOURCE in files and LANES.name not in files:
         sources += ((LANES.name, LANES.read_bytes()),)

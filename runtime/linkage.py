@@ -47,7 +47,7 @@ class CompiledLinkage(KinematicSolver):
     library : ctypes.CDLL
         The loaded library.
     sources : Sources
-        What it was built of.
+        Its sources.
     """
 
     name = "c"
@@ -75,8 +75,8 @@ class CompiledLinkage(KinematicSolver):
 
     def _run(self, segment: int, slots: Array) -> None:
         """Run a segment on the workspace."""
-        place = slots.ctypes.data_as(ctypes.c_void_p)
-        self._function("evaluate", None)(ctypes.c_size_t(segment), place)
+        address = slots.ctypes.data_as(ctypes.c_void_p)
+        self._function("evaluate", None)(ctypes.c_size_t(segment), address)
 
 
 class LinkageSolver(Linkage):
@@ -85,12 +85,12 @@ class LinkageSolver(Linkage):
     Parameters
     ----------
     target : KinematicSolver
-        What computes: the compiled library, or the analysis of the folder.
+        Target that computes: the compiled library, or the analysis of the folder.
     sources : Sources
         The generated files.
     """
 
-    #: What a run may change: nothing.
+    #: Parameters that a run may change: none.
     parameters: tuple[tuple[str, float], ...] = ()
 
     def __init__(self, target: KinematicSolver, sources: Sources) -> None:
@@ -105,10 +105,10 @@ class LinkageSolver(Linkage):
 
     @property
     def counts(self) -> tuple[tuple[int, str, str], ...]:
-        """Counts that tell scenes apart: how many, of what, and of several."""
-        told, one = self.mechanism, ("node", "link", "input")
-        found = map(len, (told.nodes, told.links, told.inputs))
-        return tuple((n, name, f"{name}s") for n, name in zip(found, one, strict=True))
+        """Counts of nodes, links and inputs: number, noun, and its plural."""
+        mechanism, nouns = self.mechanism, ("node", "link", "input")
+        numbers = map(len, (mechanism.nodes, mechanism.links, mechanism.inputs))
+        return tuple((n, noun, f"{noun}s") for n, noun in zip(numbers, nouns, strict=True))
 
     def of_bodies(self, what: str) -> DynamicsSolver:
         """Refuse what bodies alone have.
@@ -151,7 +151,7 @@ class LinkageSolver(Linkage):
         segment : str
             As in the mechanism: ``position_1`` … ``nodes``.
         given : dict of str to (size,) array
-            What stands in regions before, lengths in the unit of the scene.
+            Values of regions before, lengths in the unit of the scene.
 
         Returns
         -------
@@ -160,11 +160,11 @@ class LinkageSolver(Linkage):
         """
         mechanism = self.mechanism
         slots = np.zeros(mechanism.work_size)
-        places = {name: slice(base, base + n) for name, (base, n) in mechanism.regions.items()}
+        slices = {name: slice(base, base + n) for name, (base, n) in mechanism.regions.items()}
         for name, values in given.items():
-            slots[places[name]] = values
+            slots[slices[name]] = values
         mechanism.segments[segment](slots)
-        return {name: slots[place] for name, place in places.items()}
+        return {name: slots[region] for name, region in slices.items()}
 
 
 def load_linkage(folder: str | Path, *, target: Target = "auto") -> LinkageSolver:
@@ -213,7 +213,7 @@ def _open_same(sources: Sources, target: ChosenTarget) -> LinkageSolver:
 
 
 def record_of(run: RunRequest, rows: Rows) -> Any:
-    """Record of ``solver.h`` that asks for a run and points at room for its rows."""
+    """Record of ``solver.h`` that asks for a run and points at the memory of its rows."""
     record = _run_type(len(run.origin))()
     for field in RUN:
         value = getattr(run if hasattr(run, field.name) else rows, field.name)
@@ -232,8 +232,8 @@ def _run_type(inputs: int) -> type[ctypes.Structure]:
 
     class RunRecord(ctypes.Structure):
         _fields_ = tuple(
-            (one.name, _TYPES[one.type] * inputs if one.is_by_input else _type_of(one.type))
-            for one in RUN
+            (field.name, _TYPES[field.type] * inputs if field.is_by_input else _type_of(field.type))
+            for field in RUN
         )
 
     return RunRecord

@@ -44,7 +44,7 @@ class LinkageCheck(SolverCheck[LinkageSolver]):
         return open_linkage(self.sources, target)
 
     def require(self, data: Mapping[str, Any]) -> object:
-        """Look at all that reference values must have."""
+        """Read all that reference values must have."""
         solution = [data["solution"][name] for name in ("divisions", "rows", *OF_NODES)]
         points = [(point["label"], point["inputs"], point["outputs"]) for point in data["points"]]
         return points, solution, data["exact"]
@@ -54,7 +54,7 @@ class LinkageCheck(SolverCheck[LinkageSolver]):
         return worst_rows(_rows(solver, data["points"]))
 
     def problems(self, solvers: Sequence[LinkageSolver], data: Data) -> Iterator[str]:
-        """Messages on segments with other bits by C, and on what is wrong with motions."""
+        """Problems with segments that have other bits in C, and with motions."""
         if data is None:
             return
         if len(solvers) > 1:
@@ -63,23 +63,23 @@ class LinkageCheck(SolverCheck[LinkageSolver]):
             yield from _motion_problems(solver, data["solution"])
 
 
-def _found(
+def _computed(
     solver: LinkageSolver, point: Mapping[str, Any]
 ) -> Iterator[tuple[str, str, Floats, Mapping[str, Any]]]:
-    """Segments and outputs, with the values that were computed at a point and those stored."""
-    given = {name: np.array(x, dtype=np.float64) for name, x in point["inputs"].items()}
+    """Segments and outputs, with their computed and their stored values at a point."""
+    inputs = {name: np.array(x, dtype=np.float64) for name, x in point["inputs"].items()}
     for segment, outputs in point["outputs"].items():
         with np.errstate(all="ignore"):
-            found = solver.evaluate(segment, given)
+            regions = solver.evaluate(segment, inputs)
         for name, columns in outputs.items():
-            yield segment, name, found[name][: len(columns["high"])], columns
+            yield segment, name, regions[name][: len(columns["high"])], columns
 
 
 def _rows(solver: LinkageSolver, points: Sequence[Mapping[str, Any]]) -> Iterator[Row]:
     """Errors of each output of each segment at each point."""
     for number, point in enumerate(points):
         inputs = tuple((name, ", ".join(map(repr, x))) for name, x in point["inputs"].items())
-        for segment, name, values, columns in _found(solver, point):
+        for segment, name, values, columns in _computed(solver, point):
             yield Expected.of_columns(columns).row(
                 values,
                 kernel=segment,
@@ -92,16 +92,16 @@ def _rows(solver: LinkageSolver, points: Sequence[Mapping[str, Any]]) -> Iterato
 
 
 def _differences(
-    one: LinkageSolver, other: LinkageSolver, data: Mapping[str, Any]
+    first: LinkageSolver, second: LinkageSolver, data: Mapping[str, Any]
 ) -> Iterator[str]:
     """First differences in bits of two targets, of segments that use only + − × ÷ √."""
-    known = set[tuple[str, str]]()
+    reported = set[tuple[str, str]]()
     for point in data["points"]:
-        pairs = zip(_found(one, point), _found(other, point), strict=True)
+        pairs = zip(_computed(first, point), _computed(second, point), strict=True)
         for (segment, name, a, _), (_, _, b, _) in pairs:
-            is_told = segment not in data["exact"] or (segment, name) in known
-            if not is_told and not np.array_equal(a, b, equal_nan=True):
-                known.add((segment, name))
+            is_skipped = segment not in data["exact"] or (segment, name) in reported
+            if not is_skipped and not np.array_equal(a, b, equal_nan=True):
+                reported.add((segment, name))
                 yield (
                     f"{segment}: {name} has not the same bits in C and in NumPy, at the point"
                     f" {point['label']}: {a.tolist()} and {b.tolist()}"
@@ -118,30 +118,30 @@ def _motion_problems(solver: LinkageSolver, solution: Mapping[str, Any]) -> Iter
     exact = {name: np.array(solution[name], dtype=np.float64) for name in OF_NODES}
     for method in LINKAGE_METHODS if rows else ():
         run = solver.request(method=method, divisions=divisions)
-        other, wanted = _at_other_rates(run, exact)
+        rescaled, expected = _at_other_rates(run, exact)
         if run.is_periodic and rows[-1] == divisions:
             # the continuation begins at the turn before
-            other = replace(other, start=divisions + 3, first=2 * divisions)
-        where = f"solver by {solver.target.name}, {method}"
-        yield from _problems(where, solver, run, rows, exact)
-        yield from _problems(f"{where}, at other rates", solver, other, rows, wanted)
+            rescaled = replace(rescaled, start=divisions + 3, first=2 * divisions)
+        label = f"solver by {solver.target.name}, {method}"
+        yield from _problems(label, solver, run, rows, exact)
+        yield from _problems(f"{label}, at other rates", solver, rescaled, rows, expected)
         k = len(rows) // 3  # half a turn does not tell signs
-        there = replace(run, origin=run.counted_inputs(rows[k]), rows=1)
-        one = {name: values[k : k + 1] for name, values in exact.items()}
-        yield from _problems(f"{where}, from another origin", solver, there, [0], one)
+        moved = replace(run, origin=run.counted_inputs(rows[k]), rows=1)
+        row = {name: values[k : k + 1] for name, values in exact.items()}
+        yield from _problems(f"{label}, from another origin", solver, moved, [0], row)
 
 
 def _at_other_rates(
     run: RunRequest, exact: dict[str, Floats]
 ) -> tuple[RunRequest, dict[str, Floats]]:
-    """Run whose time goes by otherwise, and what it must give.
+    """Run with another law of time, and its exact motion.
 
     With t(τ), dt/dτ = s and d²t/dτ² = c, a velocity v becomes s v, an acceleration a becomes
     s² a + c v; the same holds for the inputs.
     """
     position, velocity, acceleration = (exact[name] for name in OF_NODES)
     s, c = SPEED, SPEED_DOT
-    other = replace(
+    rescaled = replace(
         run,
         rate=[s * rate for rate in run.rate],
         rate_dot=[
@@ -150,41 +150,42 @@ def _at_other_rates(
         ],
     )
     motions = (position, s * velocity, s * s * acceleration + c * velocity)
-    return other, dict(zip(OF_NODES, motions, strict=True))
+    return rescaled, dict(zip(OF_NODES, motions, strict=True))
 
 
 def _problems(
-    where: str,
+    label: str,
     solver: LinkageSolver,
     run: RunRequest,
     rows: Sequence[int],
     exact: dict[str, Floats],
 ) -> Iterator[str]:
     """Differences of a run from the rows that are known."""
-    mechanism, got = solver.mechanism, solver.rows(run)
-    good = [k for k, row in enumerate(rows) if row < got.done]
-    if len(good) < len(rows):
-        yield f"{where}: stops after {got.done} rows: {AnalysisStatus(got.status).message}"
-    if not good:
+    mechanism, computed = solver.mechanism, solver.rows(run)
+    written = [k for k, row in enumerate(rows) if row < computed.done]
+    if len(written) < len(rows):
+        message = AnalysisStatus(computed.status).message
+        yield f"{label}: stops after {computed.done} rows: {message}"
+    if not written:
         return
-    inputs = np.array([run.counted_inputs(run.first + rows[k]) for k in good])
+    inputs = np.array([run.counted_inputs(run.first + rows[k]) for k in written])
     size = np.abs(inputs).max(axis=0)
-    for k, wanted in zip(good, inputs, strict=True):
-        if not np.all(np.abs(got.alpha[rows[k]] - wanted) <= LIMIT * size):
+    for k, expected in zip(written, inputs, strict=True):
+        if not np.all(np.abs(computed.alpha[rows[k]] - expected) <= LIMIT * size):
             yield (
-                f"{where}: inputs at division {rows[k]} of {run.divisions}: got"
-                f" {got.alpha[rows[k]].tolist()}, wanted {wanted.tolist()}"
+                f"{label}: inputs at division {rows[k]} of {run.divisions}: got"
+                f" {computed.alpha[rows[k]].tolist()}, wanted {expected.tolist()}"
             )
             break
-    for name, wanted in exact.items():
-        values = getattr(got, name)[[rows[k] for k in good]].reshape(len(good), -1)
-        errors = np.nan_to_num(np.abs(values - wanted[good]), nan=np.inf)
-        scale = max(float(np.max(np.abs(wanted))), mechanism.length)
+    for name, expected in exact.items():
+        values = getattr(computed, name)[[rows[k] for k in written]].reshape(len(written), -1)
+        errors = np.nan_to_num(np.abs(values - expected[written]), nan=np.inf)
+        scale = max(float(np.max(np.abs(expected))), mechanism.length)
         k, element = divmod(int(np.argmax(errors)), errors.shape[1])
         if not errors[k, element] <= LIMIT * scale:
             node = mechanism.nodes[element // 2]
             yield (
-                f"{where}: {name} {'xy'[element % 2]} of {node} at division {rows[k]} of "
+                f"{label}: {name} {'xy'[element % 2]} of {node} at division {rows[k]} of "
                 f"{run.divisions}: got {float(values[k, element])!r}, wanted "
-                f"{float(wanted[k, element])!r} within {LIMIT * scale:.0e}"
+                f"{float(expected[k, element])!r} within {LIMIT * scale:.0e}"
             )

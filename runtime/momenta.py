@@ -1,4 +1,4 @@
-"""Momentum in the ledger of a run: how far it changed where it should not have."""
+"""Momentum in the ledger of a run: its change where it is conserved."""
 
 from __future__ import annotations
 
@@ -94,14 +94,14 @@ def momenta_of(
     changes : (n,) sequence of float [kg m/s, kg m²/s]
         Part by part, of each direction of its linear momentum, then of each of its angular one.
     """
-    found = []
-    at = 0
-    for one in conserved:
-        turn = at + len(one.linear)
-        end = turn + len(one.angular)
+    momenta = []
+    start = 0
+    for part in conserved:
+        middle = start + len(part.linear)
+        end = middle + len(part.angular)
         linear, angular = (
-            max(part, default=None) for part in (changes[at:turn], changes[turn:end])
+            max(block, default=None) for block in (changes[start:middle], changes[middle:end])
         )
-        found.append(Momentum(one.bodies, linear, angular, one.is_central))
-        at = end
-    return tuple(found)
+        momenta.append(Momentum(part.bodies, linear, angular, part.is_central))
+        start = end
+    return tuple(momenta)

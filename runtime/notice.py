@@ -15,7 +15,7 @@ _is_silent = ContextVar("_is_silent", default=False)
 
 @contextmanager
 def silent() -> Iterator[None]:
-    """Say nothing meanwhile, in this thread: what is loaded is compared, and does not move."""
+    """Suppress notices in this thread: solvers that are loaded are compared, and do not move."""
     token = _is_silent.set(True)
     try:
         yield

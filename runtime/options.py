@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 #: Methods of scenes that move freely.
 RUNGE_KUTTA = tuple(LEAST_TOLERANCES)
-#: In the order of the solver's text; the last one is there only where drivers determine the motion.
+#: All methods, in the order of the solver's text; the last only where drivers determine the motion.
 METHOD_NAMES = (*RUNGE_KUTTA, KINEMATICS)
 #: All options of a run; a copied folder alone takes the others.
 ALL_OPTIONS = (*OPTIONS, "strict", "estimate_error")
@@ -55,7 +55,7 @@ class RunOptions(TypedDict, total=False):
 class Options:
     """Options of a run as a user asks for them, checked, with parameters and start of the scene.
 
-    The integrator takes what of them rules its steps as :class:`Settings`.
+    The integrator takes those that rule its steps as :class:`Settings`.
 
     Parameters
     ----------
@@ -158,13 +158,13 @@ def options_of(
         An option is not possible.
     """
     require_steps(solver.name, tolerance, step, largest_step, most_steps)
-    for option, given in (
+    for option, flag in (
         ("checks", checks),
         ("strict", strict),
         ("estimate_error", estimate_error),
     ):
-        if not isinstance(given, bool | np.bool_):
-            raise SolveError(f"{solver.name}: {option} {shown(given)}; wanted True or False")
+        if not isinstance(flag, bool | np.bool_):
+            raise SolveError(f"{solver.name}: {option} {shown(flag)}; wanted True or False")
     step = None if step is None else float(step)
     name = method_for(tolerance, is_driven=solver.is_driven) if method is None else method
     _require_method(solver, name, step)
@@ -185,7 +185,7 @@ def is_given_anew(solver: DynamicsSolver, values: tuple[tuple[str, float], ...])
 def require_unmoved(solver: DynamicsSolver) -> None:
     """Refuse a start that assembly changed."""
     if solver.moved:
-        changed = "; ".join(f"bodies.{body} by {one}" for body, one in solver.moved.items())
+        changed = "; ".join(f"bodies.{body} by {sizes}" for body, sizes in solver.moved.items())
         raise SolveError(
             f"{solver.name}: assembly changed the start that the scene gives: {changed}; strict"
             " refuses that: give positions and velocities that fit joints and drivers"
@@ -213,5 +213,5 @@ def _require_method(solver: DynamicsSolver, name: str, step: float | None) -> No
 def with_values(
     solver: DynamicsSolver, given: Mapping[str, float | str] | None
 ) -> tuple[tuple[str, float], ...]:
-    """Parameters of a scene, all of them, those that are given with their new values."""
+    """All parameters of a scene, some of them with new values."""
     return tuple(values_of(solver.name, dict(solver.parameters), given).items())

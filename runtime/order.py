@@ -33,23 +33,23 @@ if TYPE_CHECKING:
 
     Tree = tuple["Tree", ...]
 
-#: Orders of the polynomials inside of a step, and of what the estimates of errors leave out.
+#: Orders of the polynomials inside of a step, and orders up to which estimates of errors vanish.
 INSIDE = {"dopri5": 4, "dop853": 7}
 ESTIMATES = {"dopri5": (4,), "dop853": (5, 3)}
-#: Where inside of a step the polynomials are looked at.
+#: Parts of a step at which its polynomial is checked.
 PLACES = (0.15, 0.3, 0.45, 0.6, 0.75, 0.9)
-#: What rounding may leave of a condition, as a part of the sizes of its terms: in the table, and
+#: Largest defect of a condition by rounding, as a part of the sizes of its terms: of the table, and
 #: of a polynomial, which is evaluated in doubles.
 TABLE_ROUNDING, POLYNOMIAL_ROUNDING = 2.0**-53, 2.0**-52
 #: Doubles are whole numbers of this unit: none of a table is below 2⁻⁶⁰, unless it is zero.
 GRAIN = 112
 
-#: The first step is found with this tolerance; how often the time is doubled that is looked at.
+#: Tolerance that gives the first step, and number of times that are tried, each twice the last.
 TOLERANCE, DOUBLED = 1e-5, 4
-#: Differences of halved steps that tell an order, as parts of the largest number: not yet rounding.
+#: Differences of halved steps that show an order, as parts of the largest number: not yet rounding.
 LEAST, MOST = 1e-12, 1e-3
-#: What moves by less, relative to the same, rests: in an equilibrium that is not stable rounding
-#: grows to differences that no order tells.
+#: Least motion, relative to the same: in an unstable equilibrium rounding grows to differences that
+#: show no order.
 MOVES = 1e-6
 #: A method of order p whose steps show less than p less this, twice at least, is none.
 ORDER_SHORTFALL = 2.0
@@ -64,13 +64,13 @@ def trees(nodes: int) -> tuple[Tree, ...]:
 
 
 def _forests(nodes: int) -> Iterator[Tree]:
-    """Branches of so many nodes together, in order."""
+    """Branches with so many nodes in all, sorted."""
     if nodes == 0:
         yield ()
     for size in range(1, nodes + 1):
         for tree in trees(size):
-            for rest in _forests(nodes - size):
-                yield tuple(sorted((tree, *rest)))
+            for others in _forests(nodes - size):
+                yield tuple(sorted((tree, *others)))
 
 
 def _size(tree: Tree) -> int:
@@ -78,10 +78,10 @@ def _size(tree: Tree) -> int:
 
 
 def _density(tree: Tree) -> int:
-    found = _size(tree)
+    density = _size(tree)
     for branch in tree:
-        found *= _density(branch)
-    return found
+        density *= _density(branch)
+    return density
 
 
 class _Weights:
@@ -93,7 +93,7 @@ class _Weights:
         self._known: dict[Tree, tuple[list[int], list[float]]] = {}
 
     def __call__(self, tree: Tree) -> tuple[list[int], list[float]]:
-        """Weight Φ in units of 2^(−GRAIN · branches' nodes), and what its terms add up to."""
+        """Weight Φ in units of 2^(−GRAIN · branches' nodes), and the same of |a| in doubles."""
         if tree not in self._known:
             exact, sizes = [1] * len(self._exact), [1.0] * len(self._exact)
             for branch in tree:
@@ -104,13 +104,13 @@ class _Weights:
             self._known[tree] = exact, sizes
         return self._known[tree]
 
-    def left(self, b: Sequence[float], tree: Tree, wanted: Fraction) -> tuple[float, float]:
-        """Defect of an order condition, and what rounding of the table may leave of it."""
+    def defect(self, b: Sequence[float], tree: Tree, expected: Fraction) -> tuple[float, float]:
+        """Defect of an order condition, and the size that its rounding scales with."""
         exact, sizes = self(tree)
         total = sum(_whole(x) * y for x, y in zip(b, exact, strict=False))
-        found = Fraction(total, 2 ** (GRAIN * _size(tree))) - wanted
+        defect = Fraction(total, 2 ** (GRAIN * _size(tree))) - expected
         size = sum(abs(x) * y for x, y in zip(b, sizes, strict=False))
-        return abs(float(found)), _size(tree) * max(size, float(wanted))
+        return abs(float(defect)), _size(tree) * max(size, float(expected))
 
 
 def _whole(x: float) -> int:
@@ -139,18 +139,18 @@ def table_problems(folder: Path, files: Mapping[str, bytes]) -> Iterator[str]:
 
 def _in_c(name: str, text: str) -> dict[str, list[float]]:
     """Tables of a method in its header, by name."""
-    found = {}
+    tables = {}
     for table, numbers in re.findall(rf"double {name}_(\w+)\[\] = \{{([^}}]*)\}}", text):
-        found[table] = [float(x) for x in numbers.replace(",", " ").split()]
-    return found
+        tables[table] = [float(x) for x in numbers.replace(",", " ").split()]
+    return tables
 
 
 def _in_python(method: RungeKuttaMethod) -> dict[str, list[float]]:
     """Tables of a method in Python, by name."""
-    found = {"c": [*method.c], "error": [*method.errors[0]]}
-    found |= {f"error_{k + 1}": [*row] for k, row in enumerate(method.errors) if k}
+    rows_by_name = {"c": [*method.c], "error": [*method.errors[0]]}
+    rows_by_name |= {f"error_{k + 1}": [*row] for k, row in enumerate(method.errors) if k}
     tables = {"a": method.a, "dense": method.dense}
-    return found | {name: [x for row in rows for x in row] for name, rows in tables.items()}
+    return rows_by_name | {name: [x for row in rows for x in row] for name, rows in tables.items()}
 
 
 def wrong_conditions(method: RungeKuttaMethod) -> Iterator[str]:
@@ -160,18 +160,18 @@ def wrong_conditions(method: RungeKuttaMethod) -> Iterator[str]:
         if abs(math.fsum((*row, -method.c[k]))) > TABLE_ROUNDING * math.fsum(map(abs, (*row, 1.0))):
             yield f"{method.name}: the coefficients of stage {k} do not add up to its node c[{k}]"
     end = method.a[method.stages]
-    sought = [("the end of a step", end, method.order, True)]
+    conditions = [("the end of a step", end, method.order, True)]
     for k, order in enumerate(ESTIMATES[method.name]):
-        sought.append((f"estimate {k + 1} of its error", method.errors[k], order, False))
-    for what, row, order, is_step in sought:
+        conditions.append((f"estimate {k + 1} of its error", method.errors[k], order, False))
+    for name, row, order, is_step in conditions:
         for nodes in range(1, order + 1):
             for tree in trees(nodes):
-                wanted = Fraction(int(is_step), _density(tree))
-                left, size = weights.left(row, tree, wanted)
-                if left > TABLE_ROUNDING * size:
+                expected = Fraction(int(is_step), _density(tree))
+                defect, size = weights.defect(row, tree, expected)
+                if defect > TABLE_ROUNDING * size:
                     yield (
-                        f"{method.name}: {what} has not the order {order}: of a condition of order"
-                        f" {nodes} it leaves {left:.3g}"
+                        f"{method.name}: {name} has not the order {order}: of a condition of order"
+                        f" {nodes} it leaves {defect:.3g}"
                     )
                     break
             else:
@@ -188,29 +188,29 @@ def wrong_inside(method: RungeKuttaMethod, dense: ModuleType) -> Iterator[str]:
             for tree in trees(nodes):
                 exact, sizes = weights(tree)
                 grain = 2 ** (GRAIN * (nodes - 1))
-                found = math.fsum(b * (phi / grain) for b, phi in zip(row, exact, strict=True))
+                value = math.fsum(b * (phi / grain) for b, phi in zip(row, exact, strict=True))
                 size = sum(s * t for s, t in zip(_sizes(method), sizes, strict=True))
-                left = abs(found - x**nodes / _density(tree))
-                if left > POLYNOMIAL_ROUNDING * size:
+                defect = abs(value - x**nodes / _density(tree))
+                if defect > POLYNOMIAL_ROUNDING * size:
                     yield (
                         f"{method.name}: dense output has not the order {order}: at {x} of a step"
-                        f" it leaves {left:.3g} of a condition of order {nodes}"
+                        f" it leaves {defect:.3g} of a condition of order {nodes}"
                     )
                     return
 
 
 def _sizes(method: RungeKuttaMethod) -> list[float]:
     """Sizes of the parts of the polynomial's weights, stage by stage."""
-    found = [1.0] * method.all
+    sizes = [1.0] * method.all
     for row in (method.a[method.stages], *method.dense):
         for k, x in enumerate(row):
-            found[k] += abs(x)
-    return found
+            sizes[k] += abs(x)
+    return sizes
 
 
 def _at(method: RungeKuttaMethod, dense: ModuleType, x: float) -> list[float]:
-    """Weights b(x): what each derivative adds at the part x of a step of length one."""
-    found = []
+    """Weights b(x) of the derivatives at the part x of a step of length one."""
+    weights = []
     for k in range(method.all):
         rows = np.zeros((method.all, 1))
         rows[k] = 1.0
@@ -227,8 +227,8 @@ def _at(method: RungeKuttaMethod, dense: ModuleType, x: float) -> list[float]:
         dense.prepare_dense(method, work, state)
         y = np.zeros(1)
         dense.interpolate(method, x, state, y)
-        found.append(float(y[0]))
-    return found
+        weights.append(float(y[0]))
+    return weights
 
 
 def shown_order_problems(
@@ -250,7 +250,7 @@ def shown_order_problems(
         orders: list[float] = []
         time = _first_time(solver, method.name)
         for _ in range(DOUBLED if time else 0):
-            order = _shown(solver, method.name, time)
+            order = _observed_order(solver, method.name, time)
             if order is not None:
                 orders.append(order)
                 if order > method.order - ORDER_SHORTFALL:
@@ -264,7 +264,7 @@ def shown_order_problems(
 
 
 def _first_time(solver: DynamicsSolver, method: str) -> float:
-    """Times that two steps reach, zero where there are none."""
+    """Time that two steps reach, zero where a run is not possible."""
     try:
         run = solver.begin([0.0, 1.0], tolerance=TOLERANCE, method=method)
         run.advance(max_steps=2)
@@ -273,9 +273,9 @@ def _first_time(solver: DynamicsSolver, method: str) -> float:
     return run.time
 
 
-def _shown(solver: DynamicsSolver, method: str, time: float) -> float | None:
+def _observed_order(solver: DynamicsSolver, method: str, time: float) -> float | None:
     """Order that 2, 4 and 8 steps show, None where rounding or more hides it."""
-    found = []
+    solutions = []
     for count in (2, 4, 8):
         times = time * np.array(ROWS)
         try:
@@ -284,10 +284,10 @@ def _shown(solver: DynamicsSolver, method: str, time: float) -> float | None:
         except (SolveError, MotionError):
             return None
         nq_nv = 1 + len(solver.q) + len(solver.v)
-        found.append(run.save().rows[:, 1:nq_nv])
-    size = max(float(np.abs(found[-1]).max(initial=0.0)), 1e-300)
-    first, second = (float(np.abs(a - b).max()) / size for a, b in pairwise(found))
-    moved = float(np.abs(found[-1] - found[-1][0]).max()) / size
+        solutions.append(run.save().rows[:, 1:nq_nv])
+    size = max(float(np.abs(solutions[-1]).max(initial=0.0)), 1e-300)
+    first, second = (float(np.abs(a - b).max()) / size for a, b in pairwise(solutions))
+    moved = float(np.abs(solutions[-1] - solutions[-1][0]).max()) / size
     if not (second > LEAST and first < MOST and moved > MOVES):
         return None
     return math.log2(first / second)

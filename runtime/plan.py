@@ -43,8 +43,8 @@ def _headers() -> tuple[str, ...] | None:
 
     folders = (sysconfig.get_path("include"), np.get_include())
     names = ("Python.h", "numpy/arrayobject.h")
-    found = all((Path(f) / name).is_file() for f, name in zip(folders, names, strict=True))
-    return folders if found else None
+    is_complete = all((Path(f) / name).is_file() for f, name in zip(folders, names, strict=True))
+    return folders if is_complete else None
 
 
 def _build(toolchain: Toolchain, headers: tuple[str, ...]) -> Path:

@@ -42,14 +42,14 @@ class Expected:
         """Stored values of an output at one point; null is NaN."""
         return cls(*(np.array([columns[key]], dtype=np.float64) for key in ("high", "low", "unit")))
 
-    def row(self, values: Floats, **told: Any) -> Row:
+    def row(self, values: Floats, **fields: Any) -> Row:
         """Worst error of an output at one point.
 
         Parameters
         ----------
         values : (size,)
             What was computed, in the unit of the output.
-        **told
+        **fields
             The other fields of the row: kernel, output, way, point, label, inputs.
         """
         (errors,) = self.errors(values[None, :])
@@ -59,13 +59,13 @@ class Expected:
             element=(element,),
             got=float(values[element]),
             wanted=float(self.high[0, element]),
-            **told,
+            **fields,
         )
 
     def errors(self, values: Floats) -> Floats:
         """Errors |v − high − low| / unit (n, size) [-], element by element.
 
-        They are infinite where no number of units says it.
+        They are infinite where only one of the two is finite, or a zero has an error.
 
         Parameters
         ----------
@@ -77,7 +77,7 @@ class Expected:
         with np.errstate(all="ignore"):
             distance = np.abs((values - high) - low)
             units = np.where(distance == 0, 0.0, distance / unit)
-        # NaN is nowhere near a number.
+        # NaN is infinitely far from any number.
         units = np.where(np.isnan(units), np.inf, units)
         return np.where(np.isnan(high), np.where(np.isfinite(values), np.inf, 0.0), units)
 
@@ -123,11 +123,11 @@ def read_references(
     Parameters
     ----------
     folder : Path
-        Where the package lies.
+        Folder of the package.
     manifest : Manifest
-        What it promises.
+        Its manifest.
     files : mapping of str to bytes
-        What its files hold, as :func:`kousoku.runtime.sources.read_files` gives it.
+        Contents of its files, as :func:`kousoku.runtime.sources.read_files` gives it.
 
     Raises
     ------
@@ -172,6 +172,6 @@ def reference_of(kernel: KernelManifest, points: list[dict[str, Any]]) -> Refere
         outputs.append(Expected(**columns))
     labels = tuple(str(point["label"]) for point in points)
     limits = tuple(dict(point.get("limits", {})) for point in points)
-    if sorted(item for known in limits for item in known.items()) != sorted(kernel.known):
+    if sorted(item for errors in limits for item in errors.items()) != sorted(kernel.known):
         raise ValueError(f"{kernel.name}: known errors {limits}, not {kernel.known}")
     return Reference(labels, tuple(stack(q) for q in kernel.inputs), tuple(outputs), limits)

@@ -22,16 +22,16 @@ class Row:
     Parameters
     ----------
     kernel, output : str
-        Of what.
+        The kernel, and its output.
     way : str
         ``"C"``, ``"C batch"``, ``"C lanes"``, ``"NumPy"`` or ``"NumPy batch"``.
     worst : float
         In units; infinite where a number that is not finite stands for a finite one or the other
         way round, or something for an identical zero.
     element : tuple of int
-        Where in the output.
+        Index in the output.
     point : int
-        Where in the list of points.
+        Index of the point.
     label : str
         Why that point is there.
     inputs : tuple of (str, str)
@@ -39,7 +39,7 @@ class Row:
     got, wanted : float
         What was computed; the reference, NaN for "must not be finite".
     limit : float
-        The most that it may be off there, in units.
+        Largest allowed error there, in units.
     """
 
     kernel: str
@@ -76,8 +76,8 @@ def worst_rows(rows: Iterable[Row]) -> tuple[Row, ...]:
     """Worst row of each output of each kernel, in the order of the first ones."""
     worst: dict[tuple[str, str], Row] = {}
     for row in rows:
-        known = worst.setdefault((row.kernel, row.output), row)
-        if row.worst > known.worst:
+        largest = worst.setdefault((row.kernel, row.output), row)
+        if row.worst > largest.worst:
             worst[row.kernel, row.output] = row
     return tuple(worst.values())
 
@@ -91,7 +91,7 @@ class Report:
     package : str
         Its name.
     folder : str
-        Where it lies.
+        Its folder.
     rows : tuple of Row
         One for each kernel, output and way of calling.
     problems : tuple of str
@@ -114,15 +114,15 @@ class Report:
     def __repr__(self) -> str:
         worst = self.worst
         count = len(self.problems)
-        said = f"{count} problem{'s' * (count > 1)}" if count else "computes what was derived"
+        result = f"{count} problem{'s' * (count > 1)}" if count else "computes what was derived"
         units = f", worst {_units(worst.worst)} units of {LIMIT:g}" if worst else ""
-        return f"<Report of {self.package}: {said}{units}; print() shows each output>"
+        return f"<Report of {self.package}: {result}{units}; print() shows each output>"
 
     @property
     def worst(self) -> Row | None:
         """The row with the largest error of its limit, None if nothing was computed.
 
-        What is known to be off counts where it is further off.
+        Outputs with a known error count where they exceed its limit.
         """
         rows = (row for row in self.rows if row.limit == LIMIT or not row.ok)
         return max(rows, key=lambda row: row.worst / row.limit, default=None)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.model.errors import MotionError, SolveError
-from kousoku.runtime.design import loops_that_open, not_closed, told, with_parameters
+from kousoku.runtime.design import loops_that_open, not_closed, parameters_text, with_parameters
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.error_estimate import error_estimate, second_options, second_times
 from kousoku.runtime.integrate.assembled_start import assembled_start
@@ -43,22 +43,22 @@ if TYPE_CHECKING:
     from kousoku.runtime.integrate.start_evaluation import Evaluate
     from kousoku.runtime.options import Options
 
-#: Instead of what is said of ``NOT_PROJECTED``, where steps have a length that was given.
+#: Message in place of that of ``NOT_PROJECTED``, where the step is fixed.
 TOO_LONG = (
     "the constraints cannot be met inside of a step of {step:g} s, which is too long, or their rows"
     " are dependent; try a smaller step"
 )
-#: What a note says where bodies have no freedom.
+#: Part of the note on bodies without a degree of freedom.
 STILL = "nothing can move"
 #: Bodies are where they fit, though events may have no value there.
 PLACED = (Status.GOOD, Status.NO_VALUE)
-#: What a run that is not over goes on after.
+#: Statuses after which a run goes on.
 GOES_ON = (Status.BUFFER_FULL, Status.PAUSED, Status.EVENT)
-#: What is said of them in full.
+#: Statuses whose messages name joints already.
 OF_PARAMETERS = (Status.NOT_CLOSED, Status.DEPENDENT)
-#: What an event returned with.
+#: Statuses with which an event returns.
 EVENTS = (Status.EVENT, Status.STOPPED)
-#: Instead of the first of them, where drivers determine the motion.
+#: Message in place of that of ``STEP_TOO_SMALL``, where drivers determine the motion.
 NO_FURTHER = (
     "no step can be taken: drivers lead no further, as at a dead centre, or the motion is not"
     " determined from here on"
@@ -90,16 +90,16 @@ class Run:
     Parameters
     ----------
     solver : DynamicsSolver
-        What moves.
+        Solver of the scene that moves.
     times : array [s]
         The times to write, ascending.
     options : Options
-        How.
+        Options of the run.
     saved : SavedRun, optional
         Go on from there; what :func:`kousoku.runtime.saved.checked_run` returned.
     """
 
-    #: What moves, where kousoku loaded it; results pass it on.
+    #: Mechanism that moves, where kousoku loaded it; results pass it on.
     mechanism: Any = None
 
     def __init__(
@@ -116,7 +116,7 @@ class Run:
         self._values = np.array([value for _, value in options.parameters], dtype=np.float64)
         self._there = with_parameters(solver, self._values)
         self._q, self._v = self._there.q.copy(), self._there.v.copy()
-        self._rows = self._room()
+        self._rows = self._allocated()
         self._told = [] if saved is None else [*saved.events]
         self._is_shown, self._is_elsewhere = False, any(options.initial)
         self._is_as_given = is_given_anew(self._there, options.parameters)
@@ -144,9 +144,9 @@ class Run:
         return f"<Run of {self.solver.name}: at {self.time:.6g} s, {self.steps} steps, {rows}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        given = (self.solver, self.times, self.options, self.save())
+        arguments = (self.solver, self.times, self.options, self.save())
         start = self._q, self._v, self._is_as_given, self._is_elsewhere, self.mechanism
-        return type(self), given, start
+        return type(self), arguments, start
 
     def __setstate__(self, start: tuple[Array, Array, bool, bool, Any]) -> None:
         self._q[:], self._v[:], self._is_as_given, self._is_elsewhere, self.mechanism = start
@@ -195,16 +195,16 @@ class Run:
         return self
 
     def _start_over(self) -> None:
-        """Start from q and v that are there, with nothing written."""
+        """Start from the current q and v, with no rows written."""
         if self._is_shown:
-            self._rows, self._is_shown = self._room(), False
+            self._rows, self._is_shown = self._allocated(), False
         self.seconds["run"] = 0.0
         self._status, self._error = Status.PAUSED, None
         self._told = []
         self._start()
 
-    def _room(self) -> Array:
-        """Room for all rows."""
+    def _allocated(self) -> Array:
+        """Array for all rows."""
         size = self.solver.target.row_size
         require_room(self.solver.name, len(self.times), size)
         try:
@@ -223,38 +223,38 @@ class Run:
             self._q[:], self._v[:], layout, changes = assembled_start(
                 self._there.layout, self._evaluate(), y, is_told=not self.options.initial.q0
             )
-            moved = {one.body: one.sizes for one in changes}
+            moved = {change.body: change.sizes for change in changes}
             self._there = replace(self._there, layout=layout, moved=moved)
             if self.options.strict:
                 require_unmoved(self._there)
             self._is_as_given = False
             status = self._begin()
         if status in PLACED and self._is_elsewhere:
-            self._q[:], self._v[:] = self._led(y)
+            self._q[:], self._v[:] = self._with_initial_values(y)
             self._is_elsewhere = False  # to start over leads nowhere again
             status = self._begin()
         self.seconds["start"] = perf_counter() - begin
         if status == Status.NO_VALUE:
-            raise SolveError(f"{self.solver.name}: {self._lost('where the run starts')}")
+            raise SolveError(f"{self.solver.name}: {self._no_value('where the run starts')}")
         if status != Status.GOOD:
-            where = "" if status in OF_PARAMETERS else self._where(self._gaps(y))
-            still = "" if status == Status.DEPENDENT else self._still()
-            raise SolveError(f"{self.solver.name}: {self._unmet(status)}{where}{still}")
+            joints = "" if status in OF_PARAMETERS else self._where(self._gaps(y))
+            note = "" if status == Status.DEPENDENT else self._still()
+            raise SolveError(f"{self.solver.name}: {self._unmet(status)}{joints}{note}")
 
-    def _lost(self, where: str) -> str:
-        """Say which event has no value."""
+    def _no_value(self, where: str) -> str:
+        """Message: which event has no value."""
         return without_value(self.solver.layout, self.state.item(self._places["event"]), where)
 
     def _still(self) -> str:
-        """Note that nothing can move, where that is so."""
+        """Note on bodies without a degree of freedom, empty where there are none."""
         return "".join(f"; {note}" for note in self.solver.layout.notes if STILL in note)
 
-    def _led(self, y: Array) -> tuple[Array, Array]:
-        """Start q, v with initial values, given where the scene starts."""
+    def _with_initial_values(self, y: Array) -> tuple[Array, Array]:
+        """Initial q, v with the initial values of the options, from the start of the scene."""
         from kousoku.runtime.integrate.initial_poses import started
 
-        there = self._there
-        return started(there.layout, there.checked, self._evaluate(), y, self.options.initial)
+        placed = self._there
+        return started(placed.layout, placed.checked, self._evaluate(), y, self.options.initial)
 
     def _evaluate(self) -> Evaluate:
         """Outputs of the scene at time 0, with the parameters of the run."""
@@ -264,24 +264,24 @@ class Run:
         return evaluated(target.evaluate, self._values, target.work_size, self._there.places)
 
     def _gaps(self, y: Array) -> Array:
-        """Residuals of the rows where the start came, with the parameters of the run.
+        """Residuals of the rows where the start arrived, with the parameters of the run.
 
         On the way there others were tried, of which a small gap was left.
         """
-        found = self._evaluate()(y[: len(self._q)], y[len(self._q) :])["C"]
-        return found if np.isfinite(found).all() else self._residuals()
+        residuals = self._evaluate()(y[: len(self._q)], y[len(self._q) :])["C"]
+        return residuals if np.isfinite(residuals).all() else self._residuals()
 
     def _unmet(self, status: int) -> str:
-        """Say why the start is not possible."""
-        of_parameters = {Status.NOT_ASSEMBLED, *OF_PARAMETERS}
-        if status not in of_parameters or not self.solver.parameters:
+        """Message: why the start is not possible."""
+        on_parameters = {Status.NOT_ASSEMBLED, *OF_PARAMETERS}
+        if status not in on_parameters or not self.solver.parameters:
             return MESSAGES[status]
-        given = told(self.solver, self._values)
+        values = parameters_text(self.solver, self._values)
         if status == Status.NOT_CLOSED:
             joints = loops_that_open(self.solver, self._values)
             joints = joints or not_closed(self.solver, self._memory.work, 1.0)
             return (
-                f"with {given}: joints stay open, or come open by more than closure_tolerance for"
+                f"with {values}: joints stay open, or come open by more than closure_tolerance for"
                 f" each length or radian that bodies move: {joints}; only with the parameters of"
                 " the scene their rows depend on those of other joints: give parameters that fit,"
                 " or generate the solver with them"
@@ -289,10 +289,10 @@ class Run:
         if status == Status.DEPENDENT:
             tolerance, places = self.solver.layout.closure_tolerance, self.solver.places
             rows, work = self.solver.checked, self._memory.work
-            return nearly_dependent(f"with {given}", rows, places, work, tolerance)
+            return nearly_dependent(f"with {values}", rows, places, work, tolerance)
         if self.solver.design is None:
             return MESSAGES[status]
-        return f"with {given}: {MESSAGES[status]}, or no way of closed joints leads there"
+        return f"with {values}: {MESSAGES[status]}, or no way of closed joints leads there"
 
     def _scratch(self) -> Array:
         return np.zeros(len(self.solver.rows) + 1)
@@ -427,7 +427,7 @@ class Run:
 
     def _stop(self) -> str:
         if self._status == Status.NO_VALUE:
-            return f"{self.solver.name}: at t = {self.time:.9g} s: {self._lost('from here on')}"
+            return f"{self.solver.name}: at t = {self.time:.9g} s: {self._no_value('from here on')}"
         if self._status == Status.BENDS:
             bent = [self.state.item(self._places[name]) for name in ("bent", "limit", "behind")]
             why = bends(self.solver.layout, *bent)
@@ -446,8 +446,8 @@ class Run:
         reason = NO_FURTHER if is_driven else MESSAGES[self._status]
         if self.options.step is not None and self._status == Status.NOT_PROJECTED:
             reason = TOO_LONG.format(step=self.options.step)
-        where = self._where(self._residuals()) + self._still() + self._poles()
-        return f"{self.solver.name}: at t = {self.time:.9g} s: {reason}{where}"
+        details = self._where(self._residuals()) + self._still() + self._poles()
+        return f"{self.solver.name}: at t = {self.time:.9g} s: {reason}{details}"
 
     def _where(self, residuals: Array) -> str:
         """Name the joints that are open, and those whose rows are dependent."""
@@ -485,9 +485,9 @@ class Run:
         motion.mechanism = self.mechanism
         return motion
 
-    def _events(self, told: Sequence[Array]) -> Array:
+    def _events(self, rows: Sequence[Array]) -> Array:
         """Rows of events, as of :class:`EventLog`."""
-        return np.array(told).reshape(-1, 1 + self.solver.target.row_size)
+        return np.array(rows).reshape(-1, 1 + self.solver.target.row_size)
 
     def save(self) -> SavedRun:
         """Saved run: all that is needed to go on, as it is now."""

@@ -111,19 +111,19 @@ class RunLedger:
         Largest change of momentum that nothing should change, part by part: bodies that nothing
         connects with the ground; empty where rows were not checked.
     violations : mapping of str to Violation
-        What is left of the constraints by joint, of those too that depend on others and are not
-        solved for; empty where rows were not checked.
+        Residuals of the constraints by joint, also of dependent ones that are not solved for;
+        empty where rows were not checked.
     missed : mapping of str to (float, float) [m], [rad]
-        By how much joints were open at rows that were left out, because others imply them but for
-        the scene's closure tolerance: what they missed at most; empty where it is rounding.
+        Largest gaps of joints at rows that were left out, because others imply them but for the
+        scene's closure tolerance; empty where they are rounding.
     released : tuple of str
-        Those of them that came open by more than ten times that tolerance: elsewhere these rows
+        Joints of these that came open by more than ten times that tolerance: elsewhere these rows
         are not redundant, and the motion is not that of the scene.
     moved : mapping of str to Moved
-        What assembly changed of the start that the scene gives, by more than 1e-6 of its length and
-        speed: bodies, the one that changed most first.
+        Changes of the start by assembly, of more than 1e-6 of length and speed: bodies, the one
+        that changed most first.
     events : mapping of str to int
-        How often each event was.
+        Count of each event.
     seconds : mapping of str to float
         Time that each phase took: it differs from run to run.
     trust : Trust
@@ -175,19 +175,22 @@ class RunLedger:
         Of velocities and accelerations these are per s and per s².
         """
         k = CONSTRAINT_LEVELS.index(level)
-        found = self.violations.values()
+        violations = self.violations.values()
         return (
-            max((one.metres[k] for one in found), default=0.0),
-            max((one.radians[k] for one in found), default=0.0),
+            max((violation.metres[k] for violation in violations), default=0.0),
+            max((violation.radians[k] for violation in violations), default=0.0),
         )
 
     def worst_joint(self, level: str) -> str:
         """Joint with the largest violation at a level; there is one at least."""
-        k, found = CONSTRAINT_LEVELS.index(level), self.violations
-        return max(found, key=lambda name: max(found[name].metres[k], found[name].radians[k]))
+        k, violations = CONSTRAINT_LEVELS.index(level), self.violations
+        return max(
+            violations,
+            key=lambda name: max(violations[name].metres[k], violations[name].radians[k]),
+        )
 
     def _control(self) -> str:
-        """Lines about what decides how long steps are."""
+        """Step-size control: none, a fixed step, or a tolerance."""
         if self.method == KINEMATICS:
             return "driven"
         if self.fixed_step is not None:
@@ -196,21 +199,21 @@ class RunLedger:
 
     def as_data(self) -> dict[str, object]:
         """Ledger as data, ready for JSON, without the verdict."""
-        named = {name: getattr(self, name) for name in self.__slots__ if name != "trust"}
-        named["violations"] = {
-            joint: {"metres": list(one.metres), "radians": list(one.radians)}
-            for joint, one in self.violations.items()
+        fields = {name: getattr(self, name) for name in self.__slots__ if name != "trust"}
+        fields["violations"] = {
+            joint: {"metres": list(violation.metres), "radians": list(violation.radians)}
+            for joint, violation in self.violations.items()
         }
-        named["missed"] = {joint: list(one) for joint, one in self.missed.items()}
-        named["works"] = dict(self.works)
-        named["events"] = dict(self.events)
-        named["moved"] = {body: one._asdict() for body, one in self.moved.items()}
-        named["momenta"] = [one.as_data() for one in self.momenta]
-        named["parameters"] = dict(self.parameters)
-        named["seconds"] = dict(self.seconds)
-        return named
+        fields["missed"] = {joint: list(sizes) for joint, sizes in self.missed.items()}
+        fields["works"] = dict(self.works)
+        fields["events"] = dict(self.events)
+        fields["moved"] = {body: change._asdict() for body, change in self.moved.items()}
+        fields["momenta"] = [momentum.as_data() for momentum in self.momenta]
+        fields["parameters"] = dict(self.parameters)
+        fields["seconds"] = dict(self.seconds)
+        return fields
 
-    def _of_constraints(self) -> Iterator[str]:
+    def _constraint_lines(self) -> Iterator[str]:
         """Lines about residuals of the constraints, and where these nearly depend on each other."""
         if not self.violations:
             return
@@ -263,10 +266,12 @@ class RunLedger:
             texts = [f"{name} {self.works[name]:.6g} J" for name in most[:MOST_WORKS]]
             more = ", …" * (len(most) > MOST_WORKS)
             lines.append(f"work done at the end: {', '.join(texts)}{more}")
-        lines += [str(one) for one in self.momenta[:MOST_PARTS_SHOWN]]
+        lines += [str(momentum) for momentum in self.momenta[:MOST_PARTS_SHOWN]]
         if self.events:
-            lines.append(f"events: {', '.join(f'{one} {n}' for one, n in self.events.items())}")
-        lines += self._of_constraints()
+            lines.append(
+                f"events: {', '.join(f'{event} {count}' for event, count in self.events.items())}"
+            )
+        lines += self._constraint_lines()
         if self.unresolved:
             lines.append(
                 f"{self.unresolved} steps over which bounds do not tell how formulas vary, the"
@@ -310,15 +315,15 @@ def ledger_of(
     Parameters
     ----------
     solver : DynamicsSolver
-        What moves.
+        Solver of the scene that moves.
     numbers : (state_size,) array
         The state of the run, in the units of its fields.
     options : Options
-        How the run is made.
+        Options of the run.
     seconds : mapping of str to float [s]
         Time that each phase took.
     error : ErrorEstimate, optional
-        Of its rows.
+        Error of its rows.
     """
     state = {name: field.view(numbers) for name, field in solver.state.items()}
     single = {name: float(field) for name, field in state.items() if field.ndim == 0}
@@ -331,7 +336,7 @@ def ledger_of(
     if solver.has_masses:
         works = _works(state["y"], layout.works, options)
     if options.checks:
-        violations = violations_of(worst, [one for part in rows for one in part], layout.checked)
+        violations = violations_of(worst, [row for group in rows for row in group], layout.checked)
     changes = state["momentum_errors"].tolist()
     return RunLedger(
         method=options.method,
@@ -351,7 +356,7 @@ def ledger_of(
         works=Named(works),
         momenta=momenta_of(solver.conserved, changes) if options.checks else (),
         violations=Named(violations),
-        missed=Named({x: one[:2] for x, one in missed.items() if one.part > MISSES}),
+        missed=Named({joint: miss[:2] for joint, miss in missed.items() if miss.part > MISSES}),
         released=released(missed, layout),
         moved=Named(solver.moved),
         events=Named(_events(layout.events, state["counts"])),
@@ -374,10 +379,10 @@ def _events(events: Sequence[tuple[str, str]], counts: Array) -> dict[str, int]:
 
 
 def _works(y: Array, works: Sequence[tuple[str, int]], options: Options) -> dict[str, float]:
-    """Works; where drivers determine the motion steps fit them for the ledger only."""
+    """Works at the end; of driven motions steps integrate them for the ledger only."""
     if options.method == KINEMATICS and not options.checks:
         return {}
-    return {name: float(y[place]) for name, place in works}
+    return {name: float(y[index]) for name, index in works}
 
 
 def violations_of(
@@ -388,7 +393,7 @@ def violations_of(
     Parameters
     ----------
     worst : (3, m) array
-        Of each row C, Ċ and C̈ [m or rad, per s, per s²].
+        C, Ċ and C̈ of each row [m or rad, per s, per s²].
     rows : sequence of (str, str)
         Joint or driver of each row, and the unit of its residual: m or rad.
     order : sequence of str
@@ -397,9 +402,9 @@ def violations_of(
     joints = dict.fromkeys((*order, *(joint for joint, _ in rows)))
     sizes = {joint: {name: np.zeros(len(CONSTRAINT_LEVELS)) for name in UNITS} for joint in joints}
     for (joint, unit), column in zip(rows, worst.T, strict=True):
-        own = sizes[joint]
-        own[unit] = np.maximum(own[unit], column)
+        largest = sizes[joint]
+        largest[unit] = np.maximum(largest[unit], column)
     return {
-        joint: Violation(*(tuple(own[unit].tolist()) for unit in UNITS))
-        for joint, own in sizes.items()
+        joint: Violation(*(tuple(largest[unit].tolist()) for unit in UNITS))
+        for joint, largest in sizes.items()
     }

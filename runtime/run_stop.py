@@ -29,30 +29,30 @@ def joints_at_stop(rows: Sequence[tuple[str, str]], residuals: Array, pivots: Ar
     rows : sequence of (str, str)
         Joint and unit of each constraint.
     residuals : array
-        What is left of each where they were evaluated last.
+        Residual of each where they were evaluated last.
     pivots : array
-        Of the factorisation at the last good state; those after one that is zero are no numbers.
+        Pivots of the factorisation at the last good state, no numbers after one that is zero.
     """
     if not rows:
         return ""
-    parts = []
+    texts = []
     sizes = np.abs(residuals)
-    left = [k for k in np.argsort(-sizes).tolist() if sizes[k] > OPEN]
-    if left:
-        worst = {rows[k][0]: k for k in reversed(left)}
-        shown = sorted(worst.items(), key=lambda item: -sizes[item[1]])[:MOST_PARTS_SHOWN]
-        texts = [f"{scene_key(name)} by {sizes[k]:.3g} {rows[k][1]}" for name, k in shown]
-        parts.append(f"open: {', '.join(texts)}")
-    known = np.where(np.isfinite(pivots), pivots, np.inf)
+    open_rows = [k for k in np.argsort(-sizes).tolist() if sizes[k] > OPEN]
+    if open_rows:
+        worst = {rows[k][0]: k for k in reversed(open_rows)}
+        largest = sorted(worst.items(), key=lambda item: -sizes[item[1]])[:MOST_PARTS_SHOWN]
+        gaps = [f"{scene_key(name)} by {sizes[k]:.3g} {rows[k][1]}" for name, k in largest]
+        texts.append(f"open: {', '.join(gaps)}")
+    finite = np.where(np.isfinite(pivots), pivots, np.inf)
     most = pivots.max(where=np.isfinite(pivots), initial=0.0)
-    ratio = known.min() / most if most > 0.0 else 0.0
-    order = np.argsort(known).tolist()
-    limit = max(SMALL_PIVOT_FACTOR * known.min(), 0.0)
-    weak = dict.fromkeys(rows[k][0] for k in order if known[k] <= limit)
+    ratio = finite.min() / most if most > 0.0 else 0.0
+    order = np.argsort(finite).tolist()
+    limit = max(SMALL_PIVOT_FACTOR * finite.min(), 0.0)
+    weak = dict.fromkeys(rows[k][0] for k in order if finite[k] <= limit)
     names = ", ".join(map(scene_key, list(weak)[:MOST_PARTS_SHOWN]))
     is_dependent = ratio < NEARLY_DEPENDENT_PIVOT_RATIO
     dependent = "rows are nearly dependent" if is_dependent else "the smallest pivots are"
-    return f"; {'; '.join([*parts, f'{dependent} at {names} (pivot ratio {ratio:.1e})'])}"
+    return f"; {'; '.join([*texts, f'{dependent} at {names} (pivot ratio {ratio:.1e})'])}"
 
 
 def joints_of_bodies(

@@ -23,21 +23,21 @@ if TYPE_CHECKING:
     from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.integrate.arithmetic import Array
 
-#: Numbers of a state that count something: those of the ledger, and others.
+#: Fields of a state that are counts: those of the ledger, and others.
 COUNTED = (*COUNTS, "next_row", "event", "bent", "short_steps", "not_finite")
-#: What a step goes on from.
+#: Fields that a step starts from.
 FINITE = (
     *("time", "time_before", "step_size", "y", "low", "f", "y_before", "dense"),
     *("parameters", "momenta", "sides", "counts", "fired"),
     *("error", "fastest", "stride", "untold", "is_refined", "longest"),
 )
-#: What else steps go by, and what the verdict rests on.
+#: Other fields of the control of steps, and those of the verdict.
 NUMBERS = (
     *("limit", "behind", "switched", "largest_pivot_ratio", "least_pivot_ratio"),
     *("drift", "row_drift"),
     *("momentum_errors", "lowest", "highest"),
 )
-#: These are NaN where formulas of a row have no value, which is counted and never trusted.
+#: Fields that are NaN where formulas of a row have no value, which is counted and never trusted.
 OF_ROWS = ("energy_error", "energy_moved", "work_error", "violations")
 
 
@@ -58,15 +58,15 @@ class SavedRun:
     Parameters
     ----------
     options : Options
-        How it is made.
+        Options of the run.
     times : array [s]
-        The times that are asked for.
+        The times to write.
     state : array
         The state of the solver.
     rows : array
         The rows that were written.
     events : array
-        The place of an event, then the row there, of each that was told.
+        Index of each event that was told, then the row there.
     digest : str
         SHA-256 of all the above.
     """
@@ -103,44 +103,44 @@ def checked_run(solver: DynamicsSolver, saved: object) -> SavedRun:
             f"{solver.name}: a run is resumed from {shown(saved)}; wanted what save() of a run"
             " returned"
         )
-    found = SavedRun(
+    checked = SavedRun(
         options=_options(solver, saved.options),
         times=times_of(solver.name, None, saved.times, 0),
         state=numbers_of(solver.name, "state", saved.state),
         rows=numbers_of(solver.name, "rows", saved.rows),
         events=numbers_of(solver.name, "events", saved.events),
     )
-    problem = next(_problems(solver, found), "")
-    if not problem and replace(found, options=saved.options).sealed().digest != saved.digest:
+    problem = next(_problems(solver, checked), "")
+    if not problem and replace(checked, options=saved.options).sealed().digest != saved.digest:
         problem = (
             "its numbers are not those that were saved, as their digest tells; take a copy that"
             " nothing changed, or begin again"
         )
     if problem:
         raise SolveError(f"{solver.name}: the run cannot be resumed: {problem}")
-    return found
+    return checked
 
 
-def _options(solver: DynamicsSolver, given: object) -> Options:
-    if not isinstance(given, Options):
-        raise SolveError(f"{solver.name}: options {shown(given)}; wanted those of a saved run")
+def _options(solver: DynamicsSolver, options: object) -> Options:
+    if not isinstance(options, Options):
+        raise SolveError(f"{solver.name}: options {shown(options)}; wanted those of a saved run")
     names = set(Options.__slots__) - {"parameters", "initial"}
-    if not isinstance(given.initial, InitialValues):
+    if not isinstance(options.initial, InitialValues):
         raise SolveError(
-            f"{solver.name}: initial {shown(given.initial)}; wanted that of a saved run"
+            f"{solver.name}: initial {shown(options.initial)}; wanted that of a saved run"
         )
     try:
-        parameters = dict(given.parameters)
+        parameters = dict(options.parameters)
     except (TypeError, ValueError):
         raise SolveError(
-            f"{solver.name}: parameters {shown(given.parameters)}; wanted names and numbers"
+            f"{solver.name}: parameters {shown(options.parameters)}; wanted names and numbers"
         ) from None
-    own = {name: getattr(given, name) for name in names}
-    return replace(options_of(solver, **own, parameters=parameters), initial=given.initial)
+    fields = {name: getattr(options, name) for name in names}
+    return replace(options_of(solver, **fields, parameters=parameters), initial=options.initial)
 
 
 def _problems(solver: DynamicsSolver, saved: SavedRun) -> Iterator[str]:
-    """Problems of a saved run; what follows the first may rest on it."""
+    """Problems of a saved run; later ones may follow from the first."""
     target, fields = solver.target, solver.state
     if saved.state.shape != (target.state_size,):
         yield (
@@ -182,7 +182,7 @@ def _problems(solver: DynamicsSolver, saved: SavedRun) -> Iterator[str]:
 def _disagreements(
     solver: DynamicsSolver, saved: SavedRun, written: int, method: float
 ) -> Iterator[str]:
-    """Places where the parts of a saved run say different things."""
+    """Contradictions between the fields of a saved run."""
     fields, rows, times = solver.state, saved.rows, saved.times
     if written > len(times):
         yield f"{written} rows are written, {len(times)} times are asked for"

@@ -49,7 +49,7 @@ class Solver(Protocol):
 
     @property
     def counts(self) -> tuple[tuple[int, str, str], ...]:
-        """Counts that tell scenes apart: how many, of what, and of several."""
+        """Counts of the elements of a scene: number, noun, and its plural."""
 
     def in_time(self, **options: Any) -> Motion | Trajectory:
         """Motion in time."""
@@ -64,11 +64,11 @@ class Solver(Protocol):
         times : callable
             Returns when the inputs are at their divisions, given how many these are.
         options : mapping
-            Those of a solver of its kind.
+            Options of this kind of solver.
         """
 
     def of_bodies(self, what: str) -> DynamicsSolver:
-        """Solver of bodies, for what these alone have; a linkage refuses that in words."""
+        """Solver of bodies, for what bodies alone have; a linkage refuses, and says why."""
 
 
 def load_solver(folder: str | Path, *, target: Target = "auto") -> Solver:

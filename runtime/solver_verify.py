@@ -1,4 +1,4 @@
-"""Check what was made from a scene: what is the same for bodies and for linkages of nodes.
+"""Check of a generated scene: the part common to bodies and to linkages of nodes.
 
 At each state of ``reference.json.gz`` all that the solver computes is computed again, by C and by
 NumPy, and its error is told in units of what rounding can do there.
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from kousoku.runtime.choice import ChosenTarget, Target
     from kousoku.runtime.sources import Sources
 
-    #: What ``reference.json.gz`` holds; None where the folder was generated without.
+    #: Content of ``reference.json.gz``; None where the folder was generated without.
     Data = Mapping[str, Any] | None
 
 Loaded = TypeVar("Loaded")
@@ -38,7 +38,7 @@ class SolverCheck(ABC, Generic[Loaded]):
         Its files, compared with the manifest.
     """
 
-    #: That of the reference values.
+    #: Format of the reference values.
     REFERENCE_FORMAT: ClassVar[int]
 
     def __init__(self, sources: Sources) -> None:
@@ -50,7 +50,7 @@ class SolverCheck(ABC, Generic[Loaded]):
 
     @abstractmethod
     def require(self, data: Mapping[str, Any]) -> object:
-        """Look at all that reference values must have; what is missing raises."""
+        """Read all that reference values must have; a missing one raises."""
 
     @abstractmethod
     def rows(self, solver: Loaded, data: Mapping[str, Any]) -> Iterable[Row]:
@@ -58,7 +58,7 @@ class SolverCheck(ABC, Generic[Loaded]):
 
     @abstractmethod
     def problems(self, solvers: Sequence[Loaded], data: Data) -> Iterator[str]:
-        """Problems besides: with motions, tables, and one target beside the other."""
+        """Other problems: of motions and tables, and differences between targets."""
 
     def notes(self, data: Mapping[str, Any]) -> Iterator[str]:
         """Notes on what is not compared, and why."""
@@ -112,23 +112,23 @@ class SolverCheck(ABC, Generic[Loaded]):
 def by_each_target(
     load: Callable[[Target], Loaded], target: Target, problems: list[str], notes: list[str]
 ) -> list[Loaded]:
-    """Library or solver by each target; what cannot be had is a problem, or a note.
+    """Library or solver by each target; a missing one is a problem, or a note.
 
     No compiler is a note, unless C was asked for; none at all is a problem.
     """
-    found = []
+    loaded = []
     targets: tuple[ChosenTarget, ...] = ("c", "numpy")
-    for wanted in targets:
-        if target not in {"auto", wanted}:
+    for choice in targets:
+        if target not in {"auto", choice}:
             continue
         try:
             with silent():
-                found.append(load(wanted))
+                loaded.append(load(choice))
         except (NoCompilerError, TargetError) as error:
-            text = f"{NAMES[wanted]} is not checked: {error}"
+            text = f"{NAMES[choice]} is not checked: {error}"
             (notes if target == "auto" else problems).append(text)
         except LoadError as error:
             problems.append(str(error))
-    if not found and not problems:
+    if not loaded and not problems:
         problems.append("nothing was checked, because nothing could be run")
-    return found
+    return loaded

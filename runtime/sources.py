@@ -34,7 +34,7 @@ class Sources:
     Parameters
     ----------
     folder : Path
-        Where they lay.
+        Folder that they were read from.
     manifest : Manifest
         What the package promises.
     files : mapping of str to bytes
@@ -60,23 +60,23 @@ class Sources:
 
     @property
     def is_scene(self) -> bool:
-        """Whether they are those of the solver of a scene, and not of a kind."""
+        """Whether the files are the solver of a scene, and not a kind."""
         return MOTION_FILE in self.files
 
     @property
     def is_linkage(self) -> bool:
-        """Whether they are those of the solver of a linkage of nodes, by their names."""
+        """Whether the files are the solver of a linkage of nodes, by their names."""
         library = f"{LINKAGE_LIBRARY}/"
         return self.is_scene and any(name.startswith(library) for name in self.files)
 
     @property
     def data(self) -> dict[str, Any]:
         """Data of ``motion.json`` on the scene, empty where there is none."""
-        told: dict[str, Any] = json.loads(self.files.get(MOTION_FILE, "{}"))
-        return told
+        data: dict[str, Any] = json.loads(self.files.get(MOTION_FILE, "{}"))
+        return data
 
     def module(self, name: str) -> types.ModuleType:
-        """Module of them, such as ``solver.py``, that was emitted with the manifest.
+        """Module of the package, such as ``solver.py``, that was emitted with the manifest.
 
         Raises
         ------
@@ -85,13 +85,13 @@ class Sources:
         """
         from kousoku.runtime.importing import import_source
 
-        wanted, folder = self.manifest, self.folder
+        stated, folder = self.manifest, self.folder
         module = import_source(folder, self.files, name)
         digest = getattr(module, "DIGEST", None)
-        if digest != wanted.digest:
+        if digest != stated.digest:
             raise LoadError(
-                f"{folder / name} has the digest {digest}, the manifest beside it {wanted.digest}:"
-                f" they are of two packages\n{regenerated(wanted)}"
+                f"{folder / name} has the digest {digest}, the manifest beside it {stated.digest}:"
+                f" they are of two packages\n{regenerated(stated)}"
             )
         return module
 
@@ -99,7 +99,7 @@ class Sources:
         return Sources, (self.folder, self.manifest, dict(self.files))
 
     def place(self) -> Path:
-        """Folder that has them: where they lay, or one in the cache.
+        """Folder with the files: the one they were read from, or one in the cache.
 
         Raises
         ------
@@ -138,7 +138,7 @@ class Sources:
             return False
 
 
-def folder_of(given: object) -> Path:
+def folder_of(path: object) -> Path:
     """Absolute path of a folder.
 
     Raises
@@ -146,11 +146,11 @@ def folder_of(given: object) -> Path:
     LoadError
         What is given is no path.
     """
-    if not isinstance(given, str | os.PathLike):
-        raise LoadError(f"{shown(given)} is no folder; wanted the path of one")
-    if "\0" in str(given):
-        raise LoadError(f"{shown(given)} is not the name of a folder: it has a null character")
-    return Path(given).absolute()
+    if not isinstance(path, str | os.PathLike):
+        raise LoadError(f"{shown(path)} is no folder; wanted the path of one")
+    if "\0" in str(path):
+        raise LoadError(f"{shown(path)} is not the name of a folder: it has a null character")
+    return Path(path).absolute()
 
 
 def read_manifest(folder: Path) -> Manifest:

@@ -144,7 +144,7 @@ def open_library(path: Path, manifest: Manifest) -> ctypes.CDLL:
 
 
 def _problem(library: ctypes.CDLL, manifest: Manifest) -> str:
-    """Say how a library differs from what a manifest promises, ``""`` if it does not."""
+    """Difference of a library from its manifest, ``""`` if there is none."""
     prefix = f"kousoku_{manifest.package}"
     try:
         digest = _text(library, f"{prefix}_digest")
@@ -164,11 +164,13 @@ def lane_width(library: ctypes.CDLL, package: str) -> int:
 
 
 def _difference(library: ctypes.CDLL, package: str, kernels: Sequence[KernelManifest]) -> str:
-    """Say how the exported signatures differ from the manifest's, ``""`` if they do not."""
+    """Difference of exported signatures from the manifest's, ``""`` if there is none."""
     for kernel in kernels:
-        got = _text(library, f"{package}_{kernel.name}_signature")
-        if got != kernel.signature:
-            return f"{kernel.name} has the signature {got}, the manifest wants {kernel.signature}"
+        exported = _text(library, f"{package}_{kernel.name}_signature")
+        if exported != kernel.signature:
+            return (
+                f"{kernel.name} has the signature {exported}, the manifest wants {kernel.signature}"
+            )
     return ""
 
 

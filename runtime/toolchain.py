@@ -32,17 +32,16 @@ FLAGS = (
     "-fno-tree-slp-vectorize",
     "-fno-math-errno",
 )
-#: What stands for ``-O3`` where a source has more bytes than :data:`LARGE`: its many small kernels
-#: are as fast, and compile in two thirds of the time. Smaller scenes may be one long function each,
-#: which would take up to 1.8 times as long.
+#: Flags for ``-O3`` where a source has more bytes than :data:`LARGE`: its many small kernels are as
+#: fast, and compile in two thirds of the time. Smaller scenes may be one long function each, which
+#: would take up to 1.8 times as long.
 LARGE_FLAGS = ("-O1", "-ftree-vectorize")
 LARGE = 800_000
-#: How gcc, unless it was built without that, translates the functions of such a source in two
-#: processes.
+#: Flags with which gcc, unless it was built without that, compiles such a source in two processes.
 PARALLEL_FLAGS = ("-flto=2", "-flto-partition=balanced")
-#: Who wrote the compiler, in the version of gcc alone.
+#: Copyright holder, which the version of gcc alone names.
 GCC = "Free Software Foundation"
-#: How to ask for the features of this machine's processor; the first that the compiler takes.
+#: Flags for the features of this machine's processor; the first that the compiler takes.
 NATIVE_FLAGS = (("-march=native",), ("-mcpu=native",), ())
 #: The math library comes after the sources.
 LIBRARIES = () if sys.platform == "win32" else ("-lm",)
@@ -56,10 +55,10 @@ _SHARED = {
     "darwin": ("-dynamiclib", "-fPIC"),
     "linux": ("-shared", "-fPIC", "-nostartfiles"),
 }.get(sys.platform, ("-shared", "-fPIC"))
-#: What every kernel includes: a compiler that has no C library headers is no compiler for us.
 _NONE_FOUND = (
     "no C compiler found (tried cc, gcc and clang; pip install 'kousoku[compiler]' brings one)"
 )
+#: Headers that every kernel includes: a compiler without them is no compiler for us.
 _PROBE = b"#include <math.h>\n#include <stddef.h>\n"
 
 
@@ -100,8 +99,8 @@ class Toolchain:
         The command counts too: a script around a compiler may add flags that show in no macro.
         """
         flags = (*self.flags, *_SHARED, *LIBRARIES)
-        parts = (*self.command, self.version, self.machine, self.features, *flags)
-        return hashlib.sha256("\0".join((*parts, sys.platform)).encode()).hexdigest()
+        identity = (*self.command, self.version, self.machine, self.features, *flags)
+        return hashlib.sha256("\0".join((*identity, sys.platform)).encode()).hexdigest()
 
     def compile_command(
         self, sources: Sequence[str], library: str, extra: Sequence[str] = ()
@@ -122,11 +121,15 @@ class Toolchain:
         if not is_large:
             yield self.compile_command(sources, library, extra)
             return
-        place = FLAGS.index("-O3")  # those of KOUSOKU_CFLAGS come behind
-        flags = (*self.flags[:place], *LARGE_FLAGS, *self.flags[place + 1 :])
-        ways = [PARALLEL_FLAGS, ()] if GCC in self.version and (os.cpu_count() or 1) > 1 else [()]
-        for way in ways:
-            yield replace(self, flags=(*way, *flags)).compile_command(sources, library, extra)
+        index = FLAGS.index("-O3")  # those of KOUSOKU_CFLAGS come behind
+        flags = (*self.flags[:index], *LARGE_FLAGS, *self.flags[index + 1 :])
+        variants = (
+            [PARALLEL_FLAGS, ()] if GCC in self.version and (os.cpu_count() or 1) > 1 else [()]
+        )
+        for extra_flags in variants:
+            yield replace(self, flags=(*extra_flags, *flags)).compile_command(
+                sources, library, extra
+            )
 
 
 def find_toolchain() -> Toolchain:
@@ -163,10 +166,10 @@ def _chosen(text: str, path: str, added: tuple[str, ...]) -> Toolchain:
 
 
 @cache
-def _first(usual: str, path: str, added: tuple[str, ...]) -> Toolchain:
+def _first(preferred: str, path: str, added: tuple[str, ...]) -> Toolchain:
     refusals = []
-    found = [_located(text, path) for text in (usual, "cc", "gcc", "clang")]
-    for command in (*found, _packaged_zig()):
+    commands = [_located(text, path) for text in (preferred, "cc", "gcc", "clang")]
+    for command in (*commands, _packaged_zig()):
         if command is None:
             continue
         try:
@@ -180,9 +183,9 @@ def _first(usual: str, path: str, added: tuple[str, ...]) -> Toolchain:
 
 def _located(text: str, path: str) -> tuple[str, ...] | None:
     """Command with its program's full path, None where there is no such program."""
-    whole = shutil.which(text, path=path)  # a path may hold blanks
-    if whole:
-        return (whole,)
+    executable = shutil.which(text, path=path)  # a path may hold blanks
+    if executable:
+        return (executable,)
     words = _split(text)
     program = shutil.which(words[0], path=path) if words else None
     if program:
@@ -227,9 +230,9 @@ def probe(command: tuple[str, ...], added: tuple[str, ...]) -> Toolchain:
                 flags=flags,
             )
         refusals.append(output(macros))
-    said = f"it said:\n{refusals[0]}\n" if refusals[0] else "it said nothing "
+    quoted = f"it said:\n{refusals[0]}\n" if refusals[0] else "it said nothing "
     raise CompilerError(
-        f"the C compiler {' '.join(command)!r} does not work here; {said}"
+        f"the C compiler {' '.join(command)!r} does not work here; {quoted}"
         "(KOUSOKU_CC chooses another compiler; KOUSOKU_CC=none the NumPy kernels)"
     )
 

@@ -67,13 +67,13 @@ def verify(package: Library | str | Path, *, target: Target = "auto") -> Report:
     problems: list[str] = []
     notes: list[str] = []
 
-    def loaded(wanted: Target) -> Library:
-        if isinstance(package, Library) and package.target == wanted:
+    def loaded(choice: Target) -> Library:
+        if isinstance(package, Library) and package.target == choice:
             return package
-        return load(folder, target=wanted)
+        return load(folder, target=choice)
 
     libraries = by_each_target(loaded, target, problems, notes)
-    problems += [f"{one.damage}; it was built again" for one in libraries if one.damage]
+    problems += [f"{library.damage}; it was built again" for library in libraries if library.damage]
     rows: list[Row] = []
     for kernel in manifest.kernels:
         reference = references[kernel.name]
@@ -83,9 +83,9 @@ def verify(package: Library | str | Path, *, target: Target = "auto") -> Report:
             for way in ways(library.target)
             for evaluation in evaluate(library[kernel.name], reference, way)
         ]
-        found = list(rows_of(kernel, reference, evaluations))
-        wrong = [str(row) for row in found if not row.ok]
-        rows += found
+        computed = list(rows_of(kernel, reference, evaluations))
+        wrong = [str(row) for row in computed if not row.ok]
+        rows += computed
         problems += wrong
         # Where a value is wrong, its bits are no news.
         if kernel.is_exact and not wrong:
@@ -113,20 +113,20 @@ def _row(
     evaluation: EvaluatedOutput,
     is_here: NDArray[np.bool_],
 ) -> Row:
-    """Worst error at the points that are meant."""
+    """Worst error at the points of a mask."""
     expected = reference.outputs[evaluation.output]
     errors = expected.errors(evaluation.values)
     errors[~np.resize(is_here, len(errors))] = 0.0
     row, element = np.unravel_index(int(np.argmax(errors)), errors.shape)
     point = int(row) % len(reference.labels)
     output = kernel.outputs[evaluation.output]
-    place = np.unravel_index(int(element), output.shape) if output.shape else ()
+    index = np.unravel_index(int(element), output.shape) if output.shape else ()
     return Row(
         kernel=kernel.name,
         output=output.name,
         way=evaluation.way,
         worst=float(errors[row, element]),
-        element=tuple(int(index) for index in place),
+        element=tuple(int(k) for k in index),
         point=point,
         label=reference.labels[point],
         inputs=reference.inputs_at(point, kernel),

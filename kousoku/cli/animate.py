@@ -67,8 +67,8 @@ def animate(
     """
     from kousoku.saved import open_run
 
-    place = Path(f"{file.stem}.html") if out is None else out
-    require_place("--out", place, (".html", ".svg"))
+    destination = Path(f"{file.stem}.html") if out is None else out
+    require_place("--out", destination, (".html", ".svg"))
     stop: Stop | None = None
     if file.suffix == ".npz":
         if end is not None or given or initial or kind:
@@ -88,8 +88,8 @@ def animate(
             {"paths_of": path_of, "speed": speed},
         )
     if len(result) or not stop:
-        result.animate(place, speed=speed, paths_of=path_of)
-        typer.echo(f"wrote {place}, {place.stat().st_size / 1000:.0f} kB")
+        result.animate(destination, speed=speed, paths_of=path_of)
+        typer.echo(f"wrote {destination}, {destination.stat().st_size / 1000:.0f} kB")
     if stop:
         typer.echo(f"kousoku: {file}: {stop.why}", err=True)
         raise typer.Exit(stop.code)
@@ -97,14 +97,14 @@ def animate(
 
 
 def _moved(
-    wish: Wish, end: float | None, options: dict[str, Any], shown: dict[str, Any]
+    wish: Wish, end: float | None, options: dict[str, Any], display: dict[str, Any]
 ) -> "tuple[Result, Stop | None]":
     """Motion of a scene as far as it came, and why it stopped if it did."""
     from kousoku.view.picture import require_showable
 
     mechanism = loaded(wish)
     scene = mechanism.scene
-    require_showable(scene, **shown)
+    require_showable(scene, **display)
     if scene.inputs and "initial" in options:
         raise SolveError(f"{wish.file}: inputs say where a linkage starts; --initial is for bodies")
     duration = scene.duration if end is None else end

@@ -501,7 +501,7 @@ def _short(name: str) -> str:
 def _with_short_names(part: Any) -> Any:
     """Part of a schema whose references and titles have the short names of records."""
     if isinstance(part, list):
-        return [_with_short_names(one) for one in part]
+        return [_with_short_names(item) for item in part]
     if not isinstance(part, dict):
         return part
     return {

@@ -22,12 +22,12 @@ def cache(
 
     limit = size_limit()
     gone = cleared() if clear else []
-    kept = entries()
+    cached = entries()
     if as_json:
         shelves = {
             shelf: {
-                "entries": sum(entry.shelf == shelf for entry in kept),
-                "bytes": sum(entry.size for entry in kept if entry.shelf == shelf),
+                "entries": sum(entry.shelf == shelf for entry in cached),
+                "bytes": sum(entry.size for entry in cached if entry.shelf == shelf),
             }
             for shelf in SHELVES
         }
@@ -39,9 +39,9 @@ def cache(
         typer.echo(f"removed {removed}, {_size(sum(entry.size for entry in gone))}")
     rows = []
     for shelf in SHELVES:
-        own = [entry.size for entry in kept if entry.shelf == shelf]
-        rows.append((shelf, str(len(own)), _size(sum(own))))
-    rows.append(("all", str(len(kept)), _size(sum(entry.size for entry in kept))))
+        sizes = [entry.size for entry in cached if entry.shelf == shelf]
+        rows.append((shelf, str(len(sizes)), _size(sum(sizes))))
+    rows.append(("all", str(len(cached)), _size(sum(entry.size for entry in cached))))
     title = f"{cache_folder()}, kept below {_size(limit)}"
     print_table(("", "entries", "size"), rows, title=title)
 

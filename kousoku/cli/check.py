@@ -14,7 +14,7 @@ from kousoku.model.errors import AssemblyError, Problem, SceneError
 if TYPE_CHECKING:
     from kousoku.model.records.own_kind import OwnKind
 
-#: What is wrong with a force of which nobody can tell how large it is at the start.
+#: Problem of a force without a finite value at the start.
 NO_VALUE = (
     "has no finite value where the scene starts, as x/abs(x) where x is 0; take x/sqrt(x^2 + 1e-6),"
     " or start elsewhere"
@@ -44,16 +44,16 @@ def check(
     from kousoku.own_kinds import own_kinds
 
     kinds = own_kinds(kind)
-    found = [checked(path, kinds) for path in scene_files]
+    scenes = [checked(path, kinds) for path in scene_files]
     if as_json:
-        print_json({"scenes": found})
+        print_json({"scenes": scenes})
     else:
-        for one in found:
-            for line in (*one["problems"], *one["notes"]):
+        for scene in scenes:
+            for line in (*scene["problems"], *scene["notes"]):
                 typer.echo(line["text"])
-            if one["is_valid"]:
-                typer.echo(f"{one['file']}: {one['what']}")
-    if not all(one["is_valid"] for one in found):
+            if scene["is_valid"]:
+                typer.echo(f"{scene['file']}: {scene['what']}")
+    if not all(scene["is_valid"] for scene in scenes):
         raise typer.Exit(BAD_INPUT)
 
 
@@ -77,11 +77,14 @@ def checked(path: Path, kinds: Mapping[str, "OwnKind"] | None) -> dict[str, Any]
 
     what, notes, problems = "", tuple[str, ...](), list[dict[str, Any]]()
     try:
-        what, notes = _looked_at(read_scene(path, kinds=kinds))
+        what, notes = _examined(read_scene(path, kinds=kinds))
     except (SceneError, AssemblyError) as raised:
         error = located(raised, path)
         if isinstance(error, SceneError):
-            problems = [_line(path, one.line, one.key, one.problem) for one in error.problems]
+            problems = [
+                _line(path, problem.line, problem.key, problem.problem)
+                for problem in error.problems
+            ]
         else:
             key, *_ = (*error.keys, "")
             head, _, text = str(error).partition(": ")
@@ -97,7 +100,7 @@ def checked(path: Path, kinds: Mapping[str, "OwnKind"] | None) -> dict[str, Any]
     }
 
 
-def _looked_at(scene: Any) -> tuple[str, tuple[str, ...]]:
+def _examined(scene: Any) -> tuple[str, tuple[str, ...]]:
     """Sort of a scene, and its notes.
 
     Raises
@@ -119,20 +122,20 @@ def _looked_at(scene: Any) -> tuple[str, tuple[str, ...]]:
     from kousoku.model.expressions.formulas import used_parameters
     from kousoku.model.lowering.about import notes_of_dry_friction
 
-    made = compose_scene(scene, scene.outputs)
-    if names := forces_without_value(made.written):
+    composed = compose_scene(scene, scene.outputs)
+    if names := forces_without_value(composed.written):
         raise SceneError.of([Problem(NO_VALUE, join("forces", name)) for name in names])
-    if events := events_without_value(made.program, made.system):
+    if events := events_without_value(composed.program, composed.system):
         raise SceneError.of(
             [Problem(f"{when} {NOT_SEEN}", f"{join('events', name)}.when") for name, when in events]
         )
-    degrees = f"{made.degrees} degree{'s' * (made.degrees != 1)} of freedom"
+    degrees = f"{composed.degrees} degree{'s' * (composed.degrees != 1)} of freedom"
     tables = {"bodies": "body", "joints": "joint", "drivers": "driver"}
     tables |= {"inputs": "input", "forces": "force", "events": "event"}
     used = used_parameters(scene)
     unused = [name for name in scene.parameters if name not in used]
     return f"{_counted(scene, tables)}; {degrees}", (
-        *made.about.notes,
+        *composed.about.notes,
         *notes_of_dry_friction(scene),
         *(f"parameters.{name}: stands in no formula, and changes nothing" for name in unused),
     )
@@ -146,6 +149,6 @@ def _counted(scene: Any, tables: Mapping[str, str]) -> str:
 
 
 def _line(path: Path, line: int, key: str, problem: str) -> dict[str, Any]:
-    where = f"{path}:{line}" if line else str(path)
-    text = ": ".join(part for part in (where, key, problem) if part)
+    position = f"{path}:{line}" if line else str(path)
+    text = ": ".join(part for part in (position, key, problem) if part)
     return {"line": line, "key": key, "problem": problem, "text": text}

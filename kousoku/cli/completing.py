@@ -11,14 +11,14 @@ def files(*suffixes: str) -> Callable[[str], list[str]]:
         folder, _, start = incomplete.rpartition("/")
         head = incomplete[: len(incomplete) - len(start)]
         try:
-            found = sorted((Path(folder) if folder else Path(head or ".")).iterdir())
+            paths = sorted((Path(folder) if folder else Path(head or ".")).iterdir())
         except OSError:
             return []
-        shown = [path for path in found if path.name.startswith(start)]
-        shown = [path for path in shown if start or not path.name.startswith(".")]
+        matches = [path for path in paths if path.name.startswith(start)]
+        matches = [path for path in matches if start or not path.name.startswith(".")]
         names = [
             f"{head}{path.name}{'/' if path.is_dir() else ''}"
-            for path in shown
+            for path in matches
             if path.is_dir() or path.suffix in suffixes
         ]
         return completed(names[0]) if len(names) == 1 and names[0].endswith("/") else names

@@ -63,11 +63,11 @@ def find_packages(name: str) -> list[Path]:
     LoadError
         There is no such package, or the folder holds none.
     """
-    known = {path.name: path for path in generated_packages()}
+    folders = {path.name: path for path in generated_packages()}
     if not name:
-        return list(known.values())
-    if name in known:
-        return [known[name]]
+        return list(folders.values())
+    if name in folders:
+        return [folders[name]]
     folder = Path(name)
     if (folder / MANIFEST_FILE).is_file():
         return [folder]
@@ -78,9 +78,9 @@ def find_packages(name: str) -> list[Path]:
         raise LoadError(f"{name}: holds no {MANIFEST_FILE}; kousoku did not generate it")
     try:
         packages = packages_of(name)
-        return [known[kind] for kind, entry in KINDS.items() if packages[0] in entry.packages]
+        return [folders[kind] for kind, entry in KINDS.items() if packages[0] in entry.packages]
     except (DerivationError, KeyError):
-        names = ", ".join(known)
+        names = ", ".join(folders)
         raise LoadError(f"{name}: no such package, kind or folder; known: {names}") from None
 
 
@@ -105,7 +105,7 @@ def _finite(data: Any) -> Any:
 
 
 def at_one_glance(rows: int) -> list[int]:
-    """Places of at most 13 of so many rows, the last of them too; a file holds all."""
+    """Indices of at most 13 of so many rows, the last of them too; a file holds all."""
     step = max(1, -(-(rows - 1) // 12))
     return sorted({*range(0, rows, step), *range(rows)[-1:]})
 

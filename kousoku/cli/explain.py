@@ -17,8 +17,8 @@ def explain(
     """
     from kousoku.checking import explain as explained
 
-    found = explained(scene_file, kinds=kind)
+    explanation = explained(scene_file, kinds=kind)
     if as_json:
-        print_json(found.as_data())
+        print_json(explanation.as_data())
     else:
-        typer.echo(str(found))
+        typer.echo(str(explanation))

@@ -98,8 +98,8 @@ def generate(
     with progress() as bar:
         trees = [_files(order, target) for order in bar.track(orders, description="generate")]
     if check:
-        more = [*_leftovers(), *_record_differs(orders, trees)] if is_all else []
-        _report_check(orders, trees, more, is_shipped=out is None, as_json=as_json)
+        remarks = [*_leftovers(), *_record_differs(orders, trees)] if is_all else []
+        _report_check(orders, trees, remarks, is_shipped=out is None, as_json=as_json)
         return
     from kousoku.codegen.generate import write_tree
     from kousoku.model.files.cache import write_atomically
@@ -143,20 +143,20 @@ def _require_place(out: Path, package: str, target: Emitted) -> None:
     if target is not Emitted.C and (problem := scene_name_problem(name)):
         raise EmitError(f"--out {out}: Python could not import the package: {problem}")
     try:
-        known = Manifest.from_json((out / MANIFEST_FILE).read_text(encoding="utf-8")).package
+        present = Manifest.from_json((out / MANIFEST_FILE).read_text(encoding="utf-8")).package
     except (OSError, ValueError, KeyError, TypeError, KousokuError):
         return  # it is new, or damaged and written again
-    if known != package:
+    if present != package:
         raise EmitError(
-            f"--out {out}: holds the package of {known}, not of {package}; choose another folder,"
+            f"--out {out}: holds the package of {present}, not of {package}; choose another folder,"
             " or remove it first"
         )
 
 
 def _shown(folder: Path) -> Path:
     """Folder as the user would type it here."""
-    here = Path.cwd()
-    return folder.relative_to(here) if folder.is_relative_to(here) else folder
+    current = Path.cwd()
+    return folder.relative_to(current) if folder.is_relative_to(current) else folder
 
 
 def _files(order: Order, target: Emitted) -> SourceTree:
@@ -169,7 +169,9 @@ def _files(order: Order, target: Emitted) -> SourceTree:
     return beside_runtime(tree) if is_shipped else tree
 
 
-def _orders(name: str, out: Path | None, check: bool, own: Sequence[Path] | None) -> list[Order]:
+def _orders(
+    name: str, out: Path | None, check: bool, own_folders: Sequence[Path] | None
+) -> list[Order]:
     """Packages that a name stands for."""
     from kousoku.cli.scenes import committed_scenes
     from kousoku.codegen.generate import generate_kind, package_names, package_of
@@ -177,27 +179,27 @@ def _orders(name: str, out: Path | None, check: bool, own: Sequence[Path] | None
     scenes = {path.stem: path for path in committed_scenes()}
     is_file = name.endswith(".toml")
     if is_file and (Path(name).exists() or name.removesuffix(".toml") not in scenes):
-        return [_scene_order(Path(name), out, own)]
+        return [_scene_order(Path(name), out, own_folders)]
     if name.removesuffix(".toml") in scenes:  # as the head of its files says
         return [_scene_order(scenes[name.removesuffix(".toml")], out)]
     packages = (package_of(name),) if name else package_names()
     kinds = _kinds_folder() if out is None else out
-    known = None if check else generated_folder() / "kinds"
-    orders = [Order(kinds / p, partial(generate_kind, p, known)) for p in packages]
+    committed = None if check else generated_folder() / "kinds"
+    orders = [Order(kinds / p, partial(generate_kind, p, committed)) for p in packages]
     return orders if name else orders + [_scene_order(path, out) for path in scenes.values()]
 
 
-def _scene_order(path: Path, out: Path | None, own: Sequence[Path] | None = None) -> Order:
+def _scene_order(path: Path, out: Path | None, own_folders: Sequence[Path] | None = None) -> Order:
     from kousoku.cli.scenes import scene_folder
     from kousoku.loading import GivenScene, generated, naming
     from kousoku.own_kinds import own_kinds
 
-    given = GivenScene.of(path, own_kinds(own))
-    scene = given.read()
+    source = GivenScene.of(path, own_kinds(own_folders))
+    scene = source.read()
     folder = scene_folder(scene.name) if out is None else out / scene.name
 
     def make() -> SourceTree:
-        with naming(given.file):
+        with naming(source.file):
             return generated(scene, references=True)
 
     return Order(folder, make)
@@ -219,11 +221,11 @@ def _leftovers() -> list[str]:
 
     scenes = {path.stem for path in committed_scenes()}
     kinds = set(package_names())
-    found = sorted(generated_folder().glob(f"*/{MANIFEST_FILE}"))
-    found_kinds = sorted(generated_folder().glob(f"kinds/*/{MANIFEST_FILE}"))
-    left = [path.parent for path in found if path.parent.name not in scenes]
-    left += [path.parent for path in found_kinds if path.parent.name not in kinds]
-    return [f"{folder} is not generated any more" for folder in left]
+    scene_manifests = sorted(generated_folder().glob(f"*/{MANIFEST_FILE}"))
+    kind_manifests = sorted(generated_folder().glob(f"kinds/*/{MANIFEST_FILE}"))
+    stale = [path.parent for path in scene_manifests if path.parent.name not in scenes]
+    stale += [path.parent for path in kind_manifests if path.parent.name not in kinds]
+    return [f"{folder} is not generated any more" for folder in stale]
 
 
 def _record(orders: Sequence[Order], trees: Sequence[SourceTree]) -> tuple[Path, str]:

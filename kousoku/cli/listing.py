@@ -37,8 +37,8 @@ def _list_section(section: str, name: str | None, *, as_json: bool) -> None:
     """List a section of the catalog, or the keys of an entry."""
     from kousoku.cataloging import catalog
 
-    found = catalog()[section]
-    entries = list(found.values()) if name is None else [found[name]]
+    table = catalog()[section]
+    entries = list(table.values()) if name is None else [table[name]]
     if as_json:
         data = [
             {"name": x.name, "title": x.title, "aliases": list(x.aliases), "keys": dict(x.keys)}
@@ -46,7 +46,7 @@ def _list_section(section: str, name: str | None, *, as_json: bool) -> None:
         ]
         print_json({"section": section, "entries": data})
         return
-    typer.echo(repr(found if name is None else entries[0]))
+    typer.echo(repr(table if name is None else entries[0]))
 
 
 def _row(folder: Path) -> dict[str, Any]:

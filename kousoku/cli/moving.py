@@ -159,8 +159,8 @@ def move(
         seconds["files"] = time.perf_counter() - begin
     errors = compare(mechanism, result) if compare and not stop else None
     if stop:
-        kept = f"; what was computed before is in {wish.out}" if wish.out else ""
-        typer.echo(f"kousoku: {wish.file}: {stop.why}{kept}", err=True)
+        saved = f"; what was computed before is in {wish.out}" if wish.out else ""
+        typer.echo(f"kousoku: {wish.file}: {stop.why}{saved}", err=True)
         if wish.as_json:
             _show(result, wish, files, seconds, errors)
         raise typer.Exit(stop.code)
@@ -237,8 +237,8 @@ def check_destinations(wish: Wish) -> None:
         if plot.suffix in PICTURES:
             require_place("--plot", plot, PICTURES)
         elif not plot.is_dir() and (plot.exists() or plot.suffix):
-            wanted = f"wanted a folder, or a name that ends in {' or '.join(PICTURES)}"
-            raise SolveError(f"--plot {plot}: {'is a file; ' * plot.exists()}{wanted}")
+            advice = f"wanted a folder, or a name that ends in {' or '.join(PICTURES)}"
+            raise SolveError(f"--plot {plot}: {'is a file; ' * plot.exists()}{advice}")
 
 
 def _require_packages(option: str, names: Sequence[str], extra: str) -> None:
@@ -267,12 +267,12 @@ def require_place(option: str, path: Path, suffixes: Sequence[str]) -> None:
 def _require_part(mechanism: Mechanism, name: str) -> None:
     """Refuse a body or node that the scene has not."""
     scene = mechanism.scene
-    known = [*(scene.bodies if scene.is_spatial else scene.nodes)]
-    if name not in known:
+    names = [*(scene.bodies if scene.is_spatial else scene.nodes)]
+    if name not in names:
         from kousoku.runtime.messages import unknown
 
         part = "body" if scene.is_spatial else "node"
-        raise SolveError(f"{scene.name}: {unknown(part, name, known)}")
+        raise SolveError(f"{scene.name}: {unknown(part, name, names)}")
 
 
 def _columns(result: Result, names: Sequence[str] | None) -> list[str]:
@@ -319,8 +319,8 @@ def _show(
         typer.echo(line)
     typer.echo(as_typed(str(result.ledger)))
     if errors is not None:
-        parts = ", ".join(f"{name} {value:.1e}" for name, value in errors.items())
-        typer.echo(f"largest difference from the closed form: {parts}")
+        texts = ", ".join(f"{name} {value:.1e}" for name, value in errors.items())
+        typer.echo(f"largest difference from the closed form: {texts}")
     typer.echo(f"time: {', '.join(f'{name} {value:.3g} s' for name, value in seconds.items())}")
     for path in files:
         typer.echo(f"wrote {path}")
@@ -340,9 +340,9 @@ def _print_rows(result: Result, wish: Wish) -> None:
 @contextmanager
 def shown_progress() -> Iterator[Callable[[float, float], None] | None]:
     """Progress of the time reached, where somebody watches."""
-    from kousoku.progress import told
+    from kousoku.progress import status_line
 
-    with told() as tell:
+    with status_line() as tell:
 
         def show(reached: float, end: float) -> None:
             tell(f"{reached:.6g} s of {end:.6g} s")
@@ -350,7 +350,7 @@ def shown_progress() -> Iterator[Callable[[float, float], None] | None]:
         yield show
 
 
-def numbers_of(option: str, given: Sequence[str] | None) -> dict[str, float | str]:
+def numbers_of(option: str, assignments: Sequence[str] | None) -> dict[str, float | str]:
     """Values of options such as ``--set NAME=VALUE``; angles in degrees stay texts.
 
     Raises
@@ -359,7 +359,7 @@ def numbers_of(option: str, given: Sequence[str] | None) -> dict[str, float | st
         One is not a name, ``=`` and a number or a formula of numbers.
     """
     values: dict[str, float | str] = {}
-    for text in given or ():
+    for text in assignments or ():
         name, _, value = (part.strip() for part in text.partition("="))
         example = "k=3.0, or k=1/3"
         if option == "--initial":

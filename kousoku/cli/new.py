@@ -71,6 +71,6 @@ def template(sort: Sort, name: str) -> str:
     """Text of a scene to begin with, under a name."""
     from importlib.resources import files
 
-    own = sort.value.replace("-", "_")
-    text = (files("kousoku") / "templates" / f"{own}.toml").read_text(encoding="utf-8")
-    return text.replace(f'name = "{own}"\n', f'name = "{name}"\n', 1)
+    stem = sort.value.replace("-", "_")
+    text = (files("kousoku") / "templates" / f"{stem}.toml").read_text(encoding="utf-8")
+    return text.replace(f'name = "{stem}"\n', f'name = "{name}"\n', 1)

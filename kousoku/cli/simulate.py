@@ -118,5 +118,5 @@ def simulate(
     def how(mechanism: "Mechanism", progress: Any) -> "Result":
         return mechanism.simulate(end, samples=samples, progress=progress, **options)
 
-    outputs = [one.value for one in output] if output else None
+    outputs = [choice.value for choice in output] if output else None
     move(Wish(scene_file, target, outputs, column, of, out, plot, as_json, kind), how)

@@ -80,8 +80,8 @@ def _folders(name: str, stack: ExitStack, kinds: Sequence[Path] | None) -> list[
     from kousoku.own_kinds import own_kinds
 
     if name.endswith(".toml"):
-        given = GivenScene.of(name, own_kinds(kinds))
-        return [stack.enter_context(cached_solver_folder(given, references=True))]
+        source = GivenScene.of(name, own_kinds(kinds))
+        return [stack.enter_context(cached_solver_folder(source, references=True))]
     try:
         return find_packages(name)
     except LoadError:
@@ -108,18 +108,18 @@ def print_summary(reports: Sequence["Report"]) -> None:
     rows = []
     for report in reports:
         worst = report.worst
-        where = f"{worst.kernel} {worst.output}, {worst.label}" if worst else ""
+        location = f"{worst.kernel} {worst.output}, {worst.label}" if worst else ""
         targets = ", ".join(dict.fromkeys(row.way.split()[0] for row in report.rows))
         number = f"{worst.worst:.2f}" if worst else "-"
-        rows.append((report.package, targets, number, where, "ok" if report.ok else "WRONG"))
+        rows.append((report.package, targets, number, location, "ok" if report.ok else "WRONG"))
     print_table(("package", "targets", "worst [units]", "where", ""), rows)
     for note in dict.fromkeys(note for report in reports for note in report.notes):
         typer.echo(note)
     for report in reports:
         for problem in report.problems[:MOST_PROBLEMS_SHOWN]:
             typer.echo(f"{report.package}: {problem}", err=True)
-        if (left := len(report.problems) - MOST_PROBLEMS_SHOWN) > 0:
-            more = f"and {left} more; kousoku verify {report.package}"
+        if (remaining := len(report.problems) - MOST_PROBLEMS_SHOWN) > 0:
+            more = f"and {remaining} more; kousoku verify {report.package}"
             typer.echo(f"{report.package}: {more}", err=True)
     count = sum(report.ok for report in reports)
     typer.echo(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from typer import BadParameter
 
-#: What an argument of the door is called here, where that is not its own name.
+#: Options of arguments whose names are not those of their options.
 FLAGS = {"parameters": "--set"}
 
 
@@ -19,10 +19,10 @@ def flag(match: re.Match[str]) -> str:
     return FLAGS.get(name, f"--{name.replace('_', '-')}")
 
 
-#: What is wanted where the library of the command line finds that a text is none.
+#: Nouns for texts that the library of the command line cannot read, by its errors.
 NUMBERS = {"float_parsing": "number", "int_parsing": "whole number"}
 
-#: Words of messages for who writes Python, and what stands for them.
+#: Words of messages to users of Python, and those of the command line.
 WORDS = (
     (r"simulate wants a last time in seconds, as in simulate\(2\), or times",
      "a last time is wanted: --end SECONDS"),

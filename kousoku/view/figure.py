@@ -50,8 +50,8 @@ def draw(picture: Picture) -> Figure:
 def _draw_items(axes: Axes, picture: Picture, camera: Camera) -> None:
     """Draw faces and lines in their order; faces without edges that follow each other at once."""
     run: list[Face] = []
-    for place, item in enumerate(drawn(picture, 0, camera)):
-        order = 1.0 + place * 1e-4
+    for index, item in enumerate(drawn(picture, 0, camera)):
+        order = 1.0 + index * 1e-4
         if isinstance(item, Face):
             run.append(item)
             if not item.edges:
@@ -84,15 +84,15 @@ def _draw_faces(axes: Axes, faces: list[Face], order: float) -> None:
 def _draw_names(axes: Axes, picture: Picture, camera: Camera) -> None:
     """Write the names of bodies and joints where nothing is written yet."""
     bodies = list(enumerate(picture.shapes.bodies))[1:]
-    wanted = [(body.name, k, body.at, color_of(body.color, 2), "bold") for k, body in bodies]
-    wanted += [(m.name, m.j, m.s_j, "#5b6474", "normal") for m in picture.shapes.joints]
-    taken: list[tuple[float, float]] = []
+    labels = [(body.name, k, body.at, color_of(body.color, 2), "bold") for k, body in bodies]
+    labels += [(m.name, m.j, m.s_j, "#5b6474", "normal") for m in picture.shapes.joints]
+    occupied: list[tuple[float, float]] = []
     halo = [withStroke(linewidth=2.5, foreground="white")]
-    for name, body, s, color, weight in wanted:
+    for name, body, s, color, weight in labels:
         (x, y), _ = camera.seen(placed(picture, 0, body, s))
         for dx, dy in ((110.0, -90.0), (110.0, 130.0), (-110.0, -90.0), (-110.0, 130.0)):
-            if all(abs(x + dx - a) > 420.0 or abs(y + dy - b) > 150.0 for a, b in taken):
-                taken.append((x + dx, y + dy))
+            if all(abs(x + dx - a) > 420.0 or abs(y + dy - b) > 150.0 for a, b in occupied):
+                occupied.append((x + dx, y + dy))
                 side = "left" if dx > 0 else "right"
                 axes.text(
                     x + dx, y + dy, name, color=color, weight=weight, ha=side, va="center",

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from kousoku.model.operations.kernel import Kernel
 
-    #: Where nodes stand, as (x, depth, operation), and the lines between them.
+    #: Nodes as (x, depth, operation), and the lines between them.
     Layers = tuple[list[tuple[float, int, Op]], list[list[tuple[float, int]]]]
 
 _STYLE: dict[RcKeyType, Any] = {
@@ -31,7 +31,7 @@ _STYLE: dict[RcKeyType, Any] = {
     "font.size": 9.0,
 }
 _EDGE = "#c8c8c8"
-#: What a node is, its operations, and how it is drawn: readable without colour vision.
+#: Sort of a node, its operations, marker and colour: readable without colour vision.
 _LOOKS = (
     ("input or number", (Op.INPUT, Op.CONST), "o", "#9a9a9a"),
     ("product", (Op.MUL, Op.DIV, Op.NEG), "s", "#1f6f8b"),
@@ -88,8 +88,8 @@ def draw_counts(counts: Mapping[str, Sequence[int]], names: Sequence[str], *, ti
         figure = Drawing(figsize=(6.4, 0.9 + 0.9 * len(names)), layout="constrained")
         axes = figure.subplots()
         for k, (stage, values) in enumerate(counts.items()):
-            places = [place + (k - (len(counts) - 1) / 2) * height for place in range(len(names))]
-            bars = axes.barh(places, values, height, label=stage, color=shades[k % len(shades)])
+            positions = [row + (k - (len(counts) - 1) / 2) * height for row in range(len(names))]
+            bars = axes.barh(positions, values, height, label=stage, color=shades[k % len(shades)])
             axes.bar_label(bars, padding=3, fontsize=8)
         axes.set_yticks(range(len(names)), names)
         axes.invert_yaxis()
@@ -105,7 +105,7 @@ def _draw(axes: Axes, drawing: Layers) -> None:
     axes.add_collection(LineCollection(lines, colors=_EDGE, linewidths=0.5, zorder=1))
     size = 16 if len(nodes) < 150 else 5
     for label, ops, marker, colour in _LOOKS:
-        x = [place for place, _, op in nodes if op in ops]
+        x = [abscissa for abscissa, _, op in nodes if op in ops]
         y = [level for _, level, op in nodes if op in ops]
         if x:
             axes.scatter(x, y, s=size, c=colour, marker=marker, label=label, zorder=2)
@@ -116,7 +116,7 @@ def _draw(axes: Axes, drawing: Layers) -> None:
 
 
 def _heights(kernel: Kernel) -> list[int]:
-    """Heights of the nodes: how many operations stand below each, one on top of the other."""
+    """Heights of the nodes: length of the longest chain of operations below each."""
     heights: list[int] = []
     for node in kernel.nodes:
         heights.append(1 + max((heights[arg] for arg in node.args), default=-1))
@@ -129,22 +129,22 @@ def _tree(kernel: Kernel) -> Layers:
     lines: list[list[tuple[float, int]]] = []
     leaves = 0
 
-    def place(node: int, level: int) -> float:
+    def add(node: int, level: int) -> float:
         nonlocal leaves
         args = kernel.nodes[node].args
-        below = [place(arg, level - 1) for arg in args]
+        below = [add(arg, level - 1) for arg in args]
         if below:
             x = sum(below) / len(below)
         else:
             x, leaves = float(leaves), leaves + 1
         nodes.append((x, level, kernel.nodes[node].op))
-        lines.extend([(x, level), (under, level - 1)] for under in below)
+        lines.extend([(x, level), (child, level - 1)] for child in below)
         return x
 
     top = max(_heights(kernel))
     for result in kernel.results:
         for node in result:
-            place(node, top)
+            add(node, top)
     return nodes, lines
 
 
@@ -162,8 +162,8 @@ def _graph(kernel: Kernel) -> Layers:
     for _ in range(_SWEEPS):
         for layer in layers:
             step = widest / len(layer)
-            for place, k in enumerate(layer):
-                x[k] = (place + 0.5) * step
+            for index, k in enumerate(layer):
+                x[k] = (index + 0.5) * step
         for layer in layers:
             layer.sort(key=lambda k: sum(x[n] for n in neighbours[k]) / max(1, len(neighbours[k])))
     nodes = [(x[k], heights[k], node.op) for k, node in enumerate(kernel.nodes)]

@@ -100,12 +100,12 @@ def _draw_solid(axes: Axes, solid: Solid) -> None:
 
 def _face(low: Vector, high: Vector, k: int, side: int) -> Array:
     """Corners of a face of a box."""
-    others = [m for m in range(3) if m != k]
+    inside = [m for m in range(3) if m != k]
     corners = np.empty((4, 3))
     for corner, (a, b) in zip(corners, ((0, 0), (0, 1), (1, 1), (1, 0)), strict=True):
         corner[k] = (low, high)[side][k]
-        corner[others[0]] = (low, high)[a][others[0]]
-        corner[others[1]] = (low, high)[b][others[1]]
+        corner[inside[0]] = (low, high)[a][inside[0]]
+        corner[inside[1]] = (low, high)[b][inside[1]]
     return corners
 
 
@@ -162,9 +162,9 @@ def _draw_freedom(axes: Axes, freedom: JointFreedom) -> None:
 
 def _label(axes: Axes, shape: JointPicture, owner: str) -> None:
     """Write the name of a body onto its largest box, cylinder or ball."""
-    places = [_middle(solid) for solid in shape.solids if solid.owner == owner]
-    place = max(places, key=lambda found: found[1])[0]
-    x, y = _flat(place).tolist()
+    middles = [_middle(solid) for solid in shape.solids if solid.owner == owner]
+    middle = max(middles, key=lambda sized: sized[1])[0]
+    x, y = _flat(middle).tolist()
     axes.text(x, y, owner, style="italic", ha="center", va="center", zorder=7, fontsize=11)
 
 

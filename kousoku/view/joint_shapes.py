@@ -112,10 +112,10 @@ def _turns(
     at: Vector = ORIGIN, x: float = 1.0, y: float = -1.0, z: float = 1.0
 ) -> tuple[JointFreedom, ...]:
     """Turns about the axes through a point, drawn at distances x, y, z from it."""
-    places = ((at[0] + x, at[1], at[2]), (at[0], at[1] + y, at[2]), (at[0], at[1], at[2] + z))
+    centers = ((at[0] + x, at[1], at[2]), (at[0], at[1] + y, at[2]), (at[0], at[1], at[2] + z))
     return tuple(
-        JointFreedom("turn", axis, place, 0.28)
-        for axis, place in zip((X, Y, Z), places, strict=True)
+        JointFreedom("turn", axis, center, 0.28)
+        for axis, center in zip((X, Y, Z), centers, strict=True)
     )
 
 

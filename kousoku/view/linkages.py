@@ -66,21 +66,23 @@ def linkage_motion(
 
 def _times_of(result: Any, scene: Scene) -> Array:
     """Times at which the first input has its values: at its rate, or by one in a second."""
-    name, given = next(iter(scene.inputs.items()))
+    name, drive = next(iter(scene.inputs.items()))
     values = np.asarray(result.inputs[name])
-    found: Array = np.abs(values - values[0]) / (abs(given.rate) or 1.0)
-    return found
+    times: Array = np.abs(values - values[0]) / (abs(drive.rate) or 1.0)
+    return times
 
 
 def _linkage(scene: Scene, nodes: Mapping[str, Array]) -> tuple[Shapes, Array, Array]:
     """Shapes of a linkage, and where its bodies are, row by row."""
-    made = _LinkageShapes(scene, nodes)
-    made.add_links()
-    made.add_sliders()
-    made.add_nodes()
-    made.add_braces()
-    shapes = Shapes(tuple(made.bodies), tuple(made.marks), (), tuple(made.struts), UP, made.size)
-    return shapes, np.stack(made.position, axis=1), np.stack(made.turn, axis=1)
+    drawn = _LinkageShapes(scene, nodes)
+    drawn.add_links()
+    drawn.add_sliders()
+    drawn.add_nodes()
+    drawn.add_braces()
+    shapes = Shapes(
+        tuple(drawn.bodies), tuple(drawn.marks), (), tuple(drawn.struts), UP, drawn.size
+    )
+    return shapes, np.stack(drawn.position, axis=1), np.stack(drawn.turn, axis=1)
 
 
 class _LinkageShapes:
@@ -91,7 +93,7 @@ class _LinkageShapes:
     scene : Scene
         The linkage.
     nodes : mapping of str to (rows, 2)
-        Where its nodes are.
+        Positions of its nodes.
     """
 
     def __init__(self, scene: Scene, nodes: Mapping[str, Array]) -> None:
@@ -135,10 +137,10 @@ class _LinkageShapes:
             wide, thick = self._wide, self._thick
             columns = np.column_stack([3.2 * wide * along, 2.0 * wide * across, 1.4 * thick * OUT])
             block = box(np.zeros(3), columns, METAL, self.size)
-            place = self._nodes[slider.node]
-            self._add(BodyShape(name, METAL, [block]), place, np.zeros(len(place)))
-            way = (place - np.array(slider.through)) @ along[:2]
-            low, high = way.min() - 6 * wide, way.max() + 6 * wide
+            points = self._nodes[slider.node]
+            self._add(BodyShape(name, METAL, [block]), points, np.zeros(len(points)))
+            travel = (points - np.array(slider.through)) @ along[:2]
+            low, high = travel.min() - 6 * wide, travel.max() + 6 * wide
             through = np.array([*slider.through, 0.0])
             rail = np.column_stack([(high - low) / 2 * along, 0.5 * wide * across, thick * OUT])
             below = -2.5 * wide * across if across[1] >= 0.0 else 2.5 * wide * across
@@ -163,12 +165,12 @@ class _LinkageShapes:
     def add_braces(self) -> None:
         """Add bars between links that are connected rigidly, to the first of them."""
         for rigid in self._scene.rigid.values():
-            held = [link for link in rigid.links if link in self._places]
-            if len(held) < 2:
+            moving = [link for link in rigid.links if link in self._places]
+            if len(moving) < 2:
                 continue
-            arms = [self._arm(link, rigid.at) for link in held]
+            arms = [self._arm(link, rigid.at) for link in moving]
             reach = 0.35 * min(float(np.linalg.norm(arm)) for arm in arms)
-            body = self._places[held[0]]
+            body = self._places[moving[0]]
             back = rotation(self.turn[body - 1][0])
             origin = _lifted(self._nodes[rigid.at])[0] - self.position[body - 1][0]
             points = [(origin + reach * arm / np.linalg.norm(arm)) @ back for arm in arms]
@@ -180,10 +182,10 @@ class _LinkageShapes:
                 middle = (a + b) / 2 + shape.at[2] * OUT
                 shape.parts.append(box(middle, columns, shape.color, self.size))
 
-    def _add(self, shape: BodyShape, place: Array, angle: Array) -> None:
+    def _add(self, shape: BodyShape, points: Array, angle: Array) -> None:
         zero = np.zeros(len(angle))
         self.bodies.append(shape)
-        self.position.append(_lifted(place))
+        self.position.append(_lifted(points))
         self.turn.append(np.stack([np.cos(angle / 2), zero, zero, np.sin(angle / 2)], axis=1))
 
     def _arm(self, link: str, at: str) -> Array:

@@ -65,17 +65,17 @@ def mesh_of(name: str) -> Mesh:
 
 
 def box_name(x: int, y: int, z: int) -> str:
-    """Name of a box that is cut so often along its three edges."""
+    """Name of a box, by its pieces along three edges."""
     return f"box {x} {y} {z}"
 
 
 def cylinder_name(pieces: int) -> str:
-    """Name of a cylinder along z that is cut so often."""
+    """Name of a cylinder along z, by its pieces."""
     return f"cylinder {pieces}"
 
 
 def coarse(name: str, sides: int) -> str:
-    """Name of a cylinder with so many sides and half its pieces, of others their own."""
+    """Name of a cylinder with other sides and half its pieces; other names are kept."""
     kind, *cuts = name.split()
     return f"{kind} {-(-int(cuts[0]) // 2)} {sides}" if sides and kind == "cylinder" else name
 
@@ -84,19 +84,21 @@ class _Draft:
     """A mesh while it is made; equal vertices are one."""
 
     def __init__(self) -> None:
-        self._places: dict[Vertex, int] = {}
+        self._indices: dict[Vertex, int] = {}
         self._faces: list[tuple[int, ...]] = []
         self._edges: list[int] = []
         self._tones: list[float] = []
 
     def add(self, corners: list[Vertex], edges: int = 0, tone: float = 0.0) -> None:
         rounded = [(round(x, 4) + 0.0, round(y, 4) + 0.0, round(z, 4) + 0.0) for x, y, z in corners]
-        self._faces.append(tuple(self._places.setdefault(v, len(self._places)) for v in rounded))
+        self._faces.append(tuple(self._indices.setdefault(v, len(self._indices)) for v in rounded))
         self._edges.append(edges)
         self._tones.append(tone)
 
     def mesh(self) -> Mesh:
-        return Mesh(tuple(self._places), tuple(self._faces), tuple(self._edges), tuple(self._tones))
+        return Mesh(
+            tuple(self._indices), tuple(self._faces), tuple(self._edges), tuple(self._tones)
+        )
 
 
 def _box(*cuts: int) -> Mesh:

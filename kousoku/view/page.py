@@ -45,7 +45,7 @@ def page_of(picture: Picture) -> str:
     script = "\n" + (FOLDER / "page.js").read_text(encoding="utf-8")
     style = (FOLDER / "page.css").read_text(encoding="utf-8")
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
-    parts = {
+    values = {
         "POLICY": (
             f"default-src 'none'; script-src 'sha256-{digest}';"
             " style-src 'unsafe-inline'; img-src data:"
@@ -58,8 +58,8 @@ def page_of(picture: Picture) -> str:
     }
     text = (FOLDER / "page.html").read_text(encoding="utf-8")
     pieces = text.split("{{")
-    rest = (piece.split("}}", 1) for piece in pieces[1:])
-    return pieces[0] + "".join(parts[name] + after for name, after in rest)
+    slots = (piece.split("}}", 1) for piece in pieces[1:])
+    return pieces[0] + "".join(values[name] + after for name, after in slots)
 
 
 def safe_json(data: Any) -> str:
@@ -75,9 +75,9 @@ def data_of(picture: Picture) -> dict[str, Any]:
     shapes = picture.shapes
     small = 1e-5 * shapes.size
     names = {part.mesh for body in shapes.bodies for part in body.parts}
-    places = [k for k, mark in enumerate(shapes.joints) if mark.name in picture.force]
+    loaded = [k for k, mark in enumerate(shapes.joints) if mark.name in picture.force]
     motion, origin, quantum = _motion(picture)
-    forces, force = _forces(picture, [shapes.joints[k].name for k in places])
+    forces, force = _forces(picture, [shapes.joints[k].name for k in loaded])
     start = float(picture.time[0])
     steps = len(picture.time) - 1
     step = float(picture.time[-1] - start) / steps if steps else 0.0
@@ -136,10 +136,10 @@ def data_of(picture: Picture) -> dict[str, Any]:
                 "body": shapes.joints[k].j,
                 "s": _rounded(shapes.joints[k].s_j, small),
             }
-            for k in places
+            for k in loaded
         ],
         "force": force,
-        "forcesShown": 0 < len(places) <= (FEW if picture.is_chosen else FEW_FORCES),
+        "forcesShown": 0 < len(loaded) <= (FEW if picture.is_chosen else FEW_FORCES),
         "names": len(shapes.bodies) <= FEW,
         "time": [start, step, steps + 1],
         "speed": picture.speed,
@@ -152,9 +152,9 @@ def data_of(picture: Picture) -> dict[str, Any]:
 
 def _number(value: float, least: float) -> float | int:
     """Number without the digits below the decimal place of the least that counts."""
-    places = max(0, -int(np.floor(np.log10(least)))) if least > 0.0 else 0
-    found = round(float(value), places) + 0.0
-    return int(found) if found == int(found) else found
+    digits = max(0, -int(np.floor(np.log10(least)))) if least > 0.0 else 0
+    rounded = round(float(value), digits) + 0.0
+    return int(rounded) if rounded == int(rounded) else rounded
 
 
 def _rounded(values: Iterable[float], least: float) -> list[float | int]:
@@ -180,11 +180,11 @@ def _motion(picture: Picture) -> tuple[str, list[float], float]:
     low, high = position.min(axis=(0, 1)), position.max(axis=(0, 1))
     origin = (low + high) / 2
     quantum = float((high - low).max() / 2 / LARGEST_INTEGER)
-    whole = np.rint((position - origin) / quantum) if quantum > 0.0 else 0.0 * position
+    levels = np.rint((position - origin) / quantum) if quantum > 0.0 else 0.0 * position
     turn = np.rint(
         LARGEST_INTEGER * picture.turn / np.linalg.norm(picture.turn, axis=-1, keepdims=True)
     )
-    return _packed(np.concatenate([whole, turn], axis=-1)), [*map(float, origin)], quantum
+    return _packed(np.concatenate([levels, turn], axis=-1)), [*map(float, origin)], quantum
 
 
 def _forces(picture: Picture, joints: list[str]) -> tuple[str, dict[str, Any]]:
@@ -200,8 +200,8 @@ def _forces(picture: Picture, joints: list[str]) -> tuple[str, dict[str, Any]]:
     usual = float(np.quantile(sizes, 0.95)) if sizes.size else 0.0
     metres = float(METRES[picture.unit])
     quantum = largest / LARGEST_INTEGER
-    whole = np.rint(values / quantum) if quantum > 0.0 else 0.0 * values
-    return _packed(whole), {
+    levels = np.rint(values / quantum) if quantum > 0.0 else 0.0 * values
+    return _packed(levels), {
         "quantum": quantum * metres,
         "length": 0.25 * picture.shapes.size / (usual or largest or 1.0) / metres,
         "largest": 1.2 * (usual or largest) * metres,
@@ -245,8 +245,8 @@ class Animation:
         from kousoku.model.files.cache import write_atomically
         from kousoku.runtime.messages import require_folder
 
-        place = Path(path)
-        match place.suffix:
+        file = Path(path)
+        match file.suffix:
             case ".html":
                 text = self.html
             case ".svg":
@@ -254,14 +254,14 @@ class Animation:
 
                 text = moving_svg(self._picture)
             case _:
-                raise SolveError(f"{place}: wanted a file *.html or *.svg")
-        require_folder(place)
+                raise SolveError(f"{file}: wanted a file *.html or *.svg")
+        require_folder(file)
         try:
-            write_atomically(place, text.encode())
+            write_atomically(file, text.encode())
         except (OSError, ValueError) as error:  # a null character
             reason = getattr(error, "strerror", None) or error
-            raise SolveError(f"{str(place)!r}: cannot be written: {reason}") from error
-        return place
+            raise SolveError(f"{str(file)!r}: cannot be written: {reason}") from error
+        return file
 
     def still(self, time: float | None = None) -> str:
         """Picture of one moment as SVG, made without a browser.

@@ -41,7 +41,7 @@ class Path:
     Parameters
     ----------
     name : str
-        What it is the path of.
+        Joint or body whose path it is.
     body : int
         Place of the body in the shapes.
     s : (3,) [unit of the scene]
@@ -125,7 +125,7 @@ def picture_at_rest(scene: Scene, parameters: Mapping[str, float | str] | None =
     if scene.is_spatial:
         scene = with_values(scene, parameters)
         poses = written_poses(scene)
-        shapes, (position, turn) = spatial_shapes(scene, poses), (one[None] for one in poses)
+        shapes, (position, turn) = spatial_shapes(scene, poses), (array[None] for array in poses)
         normal = normal_of(shapes, position, turn)
     else:
         shapes, position, turn = linkage_at_rest(scene)
@@ -183,12 +183,12 @@ def picture_of(
     if last < first:
         raise SolveError(f"{scene.name}: start={start!r} is not before end={end!r}")
     spin = _fastest(rates[1])
-    shown = speed if speed is not None else _speed(last - first, spin)
-    times = _times(first, last, len(shapes.bodies), fps=fps, speed=shown, spin=spin)
+    show_speed = speed if speed is not None else _speed(last - first, spin)
+    times = _times(first, last, len(shapes.bodies), fps=fps, speed=show_speed, spin=spin)
     chosen = _chosen_forces(table, forces, scene.name)
-    at = _interpolation(time, times)
-    moved = _hermite(position, rates[0], time, at)
-    turned = _slerped(turn, at)
+    samples = _interpolation(time, times)
+    moved = _hermite(position, rates[0], time, samples)
+    turned = _slerped(turn, samples)
     return Picture(
         name=scene.name,
         title=scene.title or scene.name,
@@ -197,10 +197,10 @@ def picture_of(
         time=times,
         position=moved,
         turn=turned,
-        force={name: _linear(np.nan_to_num(values), at) for name, values in chosen.items()},
+        force={name: _linear(np.nan_to_num(values), samples) for name, values in chosen.items()},
         paths=_paths(shapes, paths_of, scene.name),
         normal=normal_of(shapes, position, turn),
-        speed=shown,
+        speed=show_speed,
         is_chosen=not isinstance(forces, bool),
         verdict=getattr(result, "verdict", ""),
     )
@@ -231,18 +231,18 @@ def require_moment(picture: Picture, time: float) -> None:
         raise SolveError(f"{picture.name}: time {time!r}; wanted one from {first:g} to {last:g} s")
 
 
-def _require_numbers(scene: str, **given: float | None) -> None:
+def _require_numbers(scene: str, **options: float | None) -> None:
     """Refuse options that are no numbers, or not positive where they have to be."""
     from kousoku.model.errors import SolveError
     from kousoku.runtime.integrate.run_arguments import require_numbers
 
-    for name, one in given.items():
-        if one is None:
+    for name, value in options.items():
+        if value is None:
             continue
-        number: dict[str, Any] = {name: one}
+        number: dict[str, Any] = {name: value}
         require_numbers(scene, **number)
-        if name in {"fps", "speed"} and not 0.0 < one < np.inf:
-            raise SolveError(f"{scene}: {name} {one!r}; wanted a positive number")
+        if name in {"fps", "speed"} and not 0.0 < value < np.inf:
+            raise SolveError(f"{scene}: {name} {value!r}; wanted a positive number")
 
 
 def _stacked(table: Mapping[str, Array], scene: Scene, rows: int, size: int) -> Array:
@@ -255,8 +255,8 @@ def _stacked(table: Mapping[str, Array], scene: Scene, rows: int, size: int) -> 
 
 def _fastest(omega: Array) -> float:
     """Largest angular velocity of all bodies [rad/s]."""
-    found = float(np.linalg.norm(omega, axis=-1).max(initial=0.0))
-    return found if isfinite(found) else 0.0
+    largest = float(np.linalg.norm(omega, axis=-1).max(initial=0.0))
+    return largest if isfinite(largest) else 0.0
 
 
 def _speed(duration: float, spin: float) -> float:
@@ -276,7 +276,7 @@ def _speed(duration: float, spin: float) -> float:
 def _round(value: float) -> float:
     """Nearest of 1, 2, 5 times a power of ten."""
     power = 10.0 ** np.floor(log10(value))
-    step = min((1, 2, 5, 10), key=lambda known: abs(log10(value / power / known)))
+    step = min((1, 2, 5, 10), key=lambda candidate: abs(log10(value / power / candidate)))
     return float(f"{step * power:.1g}")
 
 
@@ -287,62 +287,64 @@ def _times(
     duration = last - first
     if duration <= 0.0:
         return np.array([first])
-    wanted = max(duration * fps / speed, duration * spin / TURN)
+    frames = max(duration * fps / speed, duration * spin / TURN)
     most = max(LEAST_FRAMES, MOST_NUMBERS / (7 * bodies))
-    return np.linspace(first, last, ceil(min(wanted, most)) + 1)
+    return np.linspace(first, last, ceil(min(frames, most)) + 1)
 
 
 def _interpolation(time: Array, times: Array) -> tuple[NDArray[np.intp], Array]:
-    """Row before which each time is, and which part of the way to the next one."""
+    """Row at or before each time, and the fraction of the step to the next one."""
     if len(time) == 1:
         return np.zeros(len(times), dtype=np.intp), np.zeros(len(times))
-    place = np.clip(np.searchsorted(time, times, side="right") - 1, 0, len(time) - 2)
-    step = time[place + 1] - time[place]
-    part = np.divide(times - time[place], step, out=np.zeros(len(times)), where=step > 0.0)
-    return place, np.clip(part, 0.0, 1.0)
+    row = np.clip(np.searchsorted(time, times, side="right") - 1, 0, len(time) - 2)
+    step = time[row + 1] - time[row]
+    fraction = np.divide(times - time[row], step, out=np.zeros(len(times)), where=step > 0.0)
+    return row, np.clip(fraction, 0.0, 1.0)
 
 
-def _linear(values: Array, at: tuple[NDArray[np.intp], Array]) -> Array:
-    place, part = at
-    after = np.minimum(place + 1, len(values) - 1)
-    weight = part.reshape(-1, *(1,) * (values.ndim - 1))
-    found: Array = (1 - weight) * values[place] + weight * values[after]
-    return found
+def _linear(values: Array, samples: tuple[NDArray[np.intp], Array]) -> Array:
+    row, fraction = samples
+    after = np.minimum(row + 1, len(values) - 1)
+    weight = fraction.reshape(-1, *(1,) * (values.ndim - 1))
+    interpolated: Array = (1 - weight) * values[row] + weight * values[after]
+    return interpolated
 
 
-def _hermite(values: Array, rates: Array, time: Array, at: tuple[NDArray[np.intp], Array]) -> Array:
-    """Places between rows from those of the rows and the velocities there."""
+def _hermite(
+    values: Array, rates: Array, time: Array, samples: tuple[NDArray[np.intp], Array]
+) -> Array:
+    """Positions between rows, by cubic Hermite interpolation with the velocities."""
     if len(time) == 1 or not np.isfinite(rates).all():
-        return _linear(values, at)
-    place, part = at
-    after = place + 1
-    h = (time[after] - time[place])[:, None, None]
-    s = part[:, None, None]
-    found: Array = (
-        (1 + 2 * s) * (1 - s) ** 2 * values[place]
-        + s * (1 - s) ** 2 * h * rates[place]
+        return _linear(values, samples)
+    row, fraction = samples
+    after = row + 1
+    h = (time[after] - time[row])[:, None, None]
+    s = fraction[:, None, None]
+    interpolated: Array = (
+        (1 + 2 * s) * (1 - s) ** 2 * values[row]
+        + s * (1 - s) ** 2 * h * rates[row]
         + s**2 * (3 - 2 * s) * values[after]
         - s**2 * (1 - s) * h * rates[after]
     )
-    return found
+    return interpolated
 
 
-def _slerped(turn: Array, at: tuple[NDArray[np.intp], Array]) -> Array:
-    """Orientations between rows, of norm one."""
-    place, part = at
-    before, after = turn[place], turn[np.minimum(place + 1, len(turn) - 1)]
+def _slerped(turn: Array, samples: tuple[NDArray[np.intp], Array]) -> Array:
+    """Euler parameters between rows, by spherical interpolation, of norm one."""
+    row, fraction = samples
+    before, after = turn[row], turn[np.minimum(row + 1, len(turn) - 1)]
     cosine = (before * after).sum(axis=-1, keepdims=True)
     after = np.where(cosine < 0.0, -after, after)
     angle = np.arccos(np.clip(np.abs(cosine), 0.0, 1.0))
-    s = part[:, None, None]
+    s = fraction[:, None, None]
     sine = np.sin(angle)
     near = sine < 1e-6
     safe = np.where(near, 1.0, sine)
     a = np.where(near, 1 - s, np.sin((1 - s) * angle) / safe)
     b = np.where(near, s, np.sin(s * angle) / safe)
-    found: Array = a * before + b * after
-    found /= np.linalg.norm(found, axis=-1, keepdims=True)
-    return found
+    interpolated: Array = a * before + b * after
+    interpolated /= np.linalg.norm(interpolated, axis=-1, keepdims=True)
+    return interpolated
 
 
 def _chosen_forces(
@@ -380,21 +382,21 @@ def _paths(shapes: Shapes, paths_of: Sequence[Any] | None, name: str) -> tuple[P
             return tuple(Path(mark.name, mark.j, mark.s_j) for mark in inner[:PATHS])
         moving = list(enumerate(shapes.bodies))[1 : PATHS + 1]
         return tuple(Path(body.name, k, body.at) for k, body in moving)
-    found = []
-    for given in [paths_of] if isinstance(paths_of, str) else paths_of:
-        if isinstance(given, str) and given in joints:
-            mark = joints[given]
-            found.append(Path(given, mark.j or mark.i, mark.s_j if mark.j else mark.s_i))
+    paths = []
+    for choice in [paths_of] if isinstance(paths_of, str) else paths_of:
+        if isinstance(choice, str) and choice in joints:
+            mark = joints[choice]
+            paths.append(Path(choice, mark.j or mark.i, mark.s_j if mark.j else mark.s_i))
             continue
-        body, point = (given, None) if isinstance(given, str) else tuple(given)
+        body, point = (choice, None) if isinstance(choice, str) else tuple(choice)
         if body not in places:
             raise SolveError(f"{name}: {unknown('body or joint', body, [*places, *joints])}")
         shape = shapes.bodies[places[body]]
         s = shape.at if point is None else np.asarray(point, dtype=np.float64)
         if s.shape != (3,):
             raise SolveError(f"{name}: paths_of: {point!r} is no point of {body}; wanted (x, y, z)")
-        found.append(Path(body, places[body], s))
-    return tuple(found)
+        paths.append(Path(body, places[body], s))
+    return tuple(paths)
 
 
 def normal_of(shapes: Shapes, position: Array, turn: Array) -> Array | None:
@@ -428,8 +430,8 @@ def _allowed(shapes: Shapes, axes: Sequence[Array], normal: Array) -> bool:
     """Whether joints let bodies turn about a normal only, and slide across it."""
     pairs = zip(shapes.axes, axes, strict=True)
     return bool(axes) and all(
-        abs(found @ normal) < 1e-6 if axis.slides else abs(found @ normal) > 1 - 1e-6
-        for axis, found in pairs
+        abs(direction @ normal) < 1e-6 if axis.slides else abs(direction @ normal) > 1 - 1e-6
+        for axis, direction in pairs
     )
 
 

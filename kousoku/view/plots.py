@@ -157,23 +157,23 @@ def draw_linkage(motion: Any, node: str | None = None) -> dict[str, Figure]:
     name, unit, path = motion.name, motion.unit, motion.positions[node]
     curves = [(f"position [{unit}]", path)]
     figures = {}
-    place = len(motion) // 8
+    row = len(motion) // 8
     links = [
-        np.array([motion.positions[first][place], motion.positions[second][place]])
+        np.array([motion.positions[first][row], motion.positions[second][row]])
         for _, first, second, _ in motion.links
     ]
-    for what, per, vectors in (
+    for quantity, per, vectors in (
         ("velocity", "s", motion.velocities),
         ("acceleration", "s²", motion.accelerations),
     ):
         if vectors:
-            curves.append((f"{what} [{unit}/{per}]", vectors[node]))
-            title = f"{name}: {what} of {node}"
-            figures[what] = draw_vectors(
+            curves.append((f"{quantity} [{unit}/{per}]", vectors[node]))
+            title = f"{name}: {quantity} of {node}"
+            figures[quantity] = draw_vectors(
                 alpha, path, vectors[node], links=links, title=title, unit=unit, symbol=symbol
             )
     figures["motion"] = draw_motion(alpha, curves, title=f"{name}: {node}", symbol=symbol)
-    return {f"{node}_{what}": figure for what, figure in figures.items()}
+    return {f"{node}_{quantity}": figure for quantity, figure in figures.items()}
 
 
 def save(figure: Figure, path: Path) -> None:

@@ -35,13 +35,13 @@ DARK = (
 """All colours, on white and on black."""
 
 THIN, SLENDER = 0.009, 0.07
-"""Radius of what has no thickness: parts of the mechanism's size and of the length of a body."""
+"""Radius of lines without thickness: parts of the mechanism's size and of the length of a body."""
 PIECES = 8.0
 """Pieces of a solid that is as long as the mechanism."""
 WIDE = 2.5
 """How much longer than the mechanism a body may be that is drawn after its moments of inertia."""
 GENERIC = "spherical"
-"""What the sign of a joint of one's own is taken from."""
+"""Joint whose sign stands for joints of one's own."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,10 +187,10 @@ def rotation(p: Array) -> Array:
 
 def across_of(axis: Array) -> Array:
     """Unit vector that is perpendicular to a unit vector."""
-    aside = np.eye(3)[int(np.argmin(np.abs(axis)))]
-    aside = aside - (aside @ axis) * axis
-    found: Array = aside / np.linalg.norm(aside)
-    return found
+    across = np.eye(3)[int(np.argmin(np.abs(axis)))]
+    across = across - (across @ axis) * axis
+    unit: Array = across / np.linalg.norm(across)
+    return unit
 
 
 def spatial_shapes(scene: Scene, poses: tuple[Array, Array]) -> Shapes:
@@ -208,7 +208,7 @@ def spatial_shapes(scene: Scene, poses: tuple[Array, Array]) -> Shapes:
 
 
 def with_values(scene: Scene, parameters: Mapping[str, float | str] | None) -> Scene:
-    """Scene whose numbers are those that parameters give them; the rest are its own.
+    """Scene with the numbers that follow from parameters; all others are its own.
 
     Raises
     ------
@@ -224,8 +224,8 @@ def with_values(scene: Scene, parameters: Mapping[str, float | str] | None) -> S
 
     values = values_of(scene.name, scene.parameters, parameters)
 
-    def number(given: Any, _: str) -> float:
-        return value_of(parse_expression(given.text, values), values)
+    def number(formula: Any, _: str) -> float:
+        return value_of(parse_expression(formula.text, values), values)
 
     gravity = tuple(
         value_of(parse_expression(g, values), values) if isinstance(g, str) else g
@@ -266,8 +266,8 @@ class _SpatialShapes:
         self._bodies += [BodyShape(n, 2 + k % (len(LIGHT) - 2)) for k, n in enumerate(scene.bodies)]
         self._frames: dict[str, BodyFrame] = {NAME: GROUND_FRAME}
         for k, (name, body) in enumerate(scene.bodies.items()):
-            place, turn = triple(body.position), quaternion(body.orientation)
-            self._frames[name] = BodyFrame(k, place, turn, ZERO, IDENTITY, body.point)
+            origin, turn = triple(body.position), quaternion(body.orientation)
+            self._frames[name] = BodyFrame(k, origin, turn, ZERO, IDENTITY, body.point)
         self._position, self._turn = poses
         self._marks: list[JointMark] = []
         self._axes: list[Axis] = []
@@ -341,52 +341,54 @@ class _SpatialShapes:
         return placed
 
     def _measured(self) -> float:
-        """Diagonal of all that has a size where the motion starts."""
+        """Diagonal of the mechanism where the motion starts."""
         points = [self._placed(m.i, m.s_i[None]) for m in self._marks]
         points += [self._placed(m.j, m.s_j[None]) for m in self._marks]
         for name, body in self._scene.bodies.items():
-            place = self._places[name]
-            points.append(self._placed(place, np.zeros((1, 3))))
+            index = self._places[name]
+            points.append(self._placed(index, np.zeros((1, 3))))
             for part in _solids(body, 1.0, 0.0, 0):
-                points.append(self._placed(place, _corners(part)))
+                points.append(self._placed(index, _corners(part)))
             if body.center is not None:
-                points.append(self._placed(place, _numbers(body.center)[None]))
-        every = np.concatenate(points)
-        size = float(np.linalg.norm(np.ptp(every, axis=0)))
+                points.append(self._placed(index, _numbers(body.center)[None]))
+        cloud = np.concatenate(points)
+        size = float(np.linalg.norm(np.ptp(cloud, axis=0)))
         if size > 0.0:
             return size
-        like = [_like_its_inertia(body, 0, np.inf)[1] for body in self._scene.bodies.values()]
-        sizes = [float(np.linalg.norm(np.ptp(_corners(p), axis=0))) for p in like if p is not None]
+        solids = [_inertia_solid(body, 0, np.inf)[1] for body in self._scene.bodies.values()]
+        sizes = [
+            float(np.linalg.norm(np.ptp(_corners(p), axis=0))) for p in solids if p is not None
+        ]
         return max(sizes, default=1.0)
 
-    def _anchors(self, place: int) -> list[Array]:
+    def _anchors(self, index: int) -> list[Array]:
         """Points of a body where joints and springs hold it, each once."""
         ends = [end for m in self._marks for end in ((m.i, m.s_i), (m.j, m.s_j))]
         ends += [end for s in self._struts for end in ((s.i, s.a), (s.j, s.b))]
-        found: list[Array] = []
+        anchors: list[Array] = []
         for body, point in ends:
-            apart = (float(np.linalg.norm(point - other)) for other in found)
-            if body == place and all(d > 1e-6 * self._size for d in apart):
-                found.append(point)
-        return found
+            apart = (float(np.linalg.norm(point - other)) for other in anchors)
+            if body == index and all(d > 1e-6 * self._size for d in apart):
+                anchors.append(point)
+        return anchors
 
-    def _lengths(self, place: int) -> Iterator[float]:
-        """Distances of the points from each other where others hold a body."""
-        for a, b in combinations(self._anchors(place), 2):
+    def _lengths(self, index: int) -> Iterator[float]:
+        """Distances between the anchors of a body."""
+        for a, b in combinations(self._anchors(index), 2):
             yield float(np.linalg.norm(a - b))
 
     def _add_body(self, name: str, body: Body) -> None:
-        place = self._places[name]
-        shape = self._bodies[place]
-        center, like = _like_its_inertia(body, shape.color, self._size)
-        anchors = self._anchors(place)
+        index = self._places[name]
+        shape = self._bodies[index]
+        center, solid = _inertia_solid(body, shape.color, self._size)
+        anchors = self._anchors(index)
         parts = list(_solids(body, self._size, self._thin, shape.color))
         points = [_numbers(point.at) for point in body.mass_points]
         joined = anchors + [p for p in points if not any(_is_at(p, a) for a in anchors)]
         radius = self._thin
         if not parts and len(joined) < 2:
             # Only one joint, or none: what its mass looks like says more than a stick.
-            parts = [like if like is not None else ball(center, 2.6 * radius, shape.color)]
+            parts = [solid if solid is not None else ball(center, 2.6 * radius, shape.color)]
         if parts:
             ends = [(point, _nearest(parts, point)) for point in joined]
             sticks = [(a, b) for a, b in ends if not any(_is_inside(part, a) for part in parts)]
@@ -404,8 +406,8 @@ class _SpatialShapes:
         kind = NAMES.get(joint.type, GENERIC)
         ends = self._frames[joint.ends[0]], self._frames[joint.ends[1]]
         vectors = [
-            {key: _numbers(vector) for key, vector in found.items()}
-            for found in joint_vectors(ends, joint)
+            {key: _numbers(vector) for key, vector in frame.items()}
+            for frame in joint_vectors(ends, joint)
         ]
         unit = self._unit_of(mark)
         picture = JOINT_PICTURES[kind]
@@ -422,8 +424,8 @@ class _SpatialShapes:
             self._struts.append(Strut("rod", mark.i, mark.j, mark.s_i, mark.s_j, 2 * self._thin))
         half = 0.3 * self._size if picture.slides else 3.4 * unit
         ends_of = ((mark.i, mark.s_i), (mark.j, mark.s_j))[: JOINTS[kind].axes]
-        for (body, s), found in zip(ends_of, vectors, strict=False):
-            self._axes.append(Axis(body, s, half * found["axis"], picture.slides))
+        for (body, s), frame in zip(ends_of, vectors, strict=False):
+            self._axes.append(Axis(body, s, half * frame["axis"], picture.slides))
         if 0 in (mark.i, mark.j) and picture.has_pedestal:
             at, axis = (mark.s_i, vectors[0]) if mark.i == 0 else (mark.s_j, vectors[1])
             turns = JOINTS[kind].axes > 0
@@ -471,12 +473,12 @@ def _joined(points: Sequence[Array]) -> list[tuple[Array, Array]]:
         return []
     if len(points) == 2:
         return [(points[0], points[1])]
-    every = np.array(points)
-    middle = every.mean(axis=0)
-    _, _, axes = np.linalg.svd(every - middle)
-    seen = (every - middle) @ axes[:2].T
-    order = np.argsort(np.arctan2(seen[:, 1], seen[:, 0]), kind="stable")
-    ring = [every[k] for k in order]
+    cloud = np.array(points)
+    middle = cloud.mean(axis=0)
+    _, _, axes = np.linalg.svd(cloud - middle)
+    projected = (cloud - middle) @ axes[:2].T
+    order = np.argsort(np.arctan2(projected[:, 1], projected[:, 0]), kind="stable")
+    ring = [cloud[k] for k in order]
     return list(zip(ring, ring[1:] + ring[:1], strict=True))
 
 
@@ -494,8 +496,8 @@ def _is_inside(part: MeshPart, point: Array) -> bool:
 
 def _corners(part: MeshPart) -> Array:
     signs = np.array([[x, y, z, 1.0] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
-    found: Array = signs @ part.matrix.T
-    return found
+    corners: Array = signs @ part.matrix.T
+    return corners
 
 
 def vertices_of(part: MeshPart, sides: int = 0) -> Array:
@@ -509,8 +511,8 @@ def vertices_of(part: MeshPart, sides: int = 0) -> Array:
         Faces around a cylinder; its own unless given.
     """
     mesh = np.array(mesh_of(coarse(part.mesh, sides)).vertices)
-    found: Array = mesh @ part.matrix[:, :3].T + part.matrix[:, 3]
-    return found
+    vertices: Array = mesh @ part.matrix[:, :3].T + part.matrix[:, 3]
+    return vertices
 
 
 def _cuts(length: float, size: float) -> int:
@@ -555,13 +557,13 @@ def _solids(body: Body, size: float, thin: float, color: int) -> Iterator[MeshPa
     """Solids of a body in its frame."""
     from kousoku.model.lowering.quaternions import quaternion
 
-    for given in body.boxes:
+    for cuboid in body.boxes:
         turn = (
             np.eye(3)
-            if given.orientation is None
-            else rotation(_numbers(quaternion(given.orientation)))
+            if cuboid.orientation is None
+            else rotation(_numbers(quaternion(cuboid.orientation)))
         )
-        yield box(_numbers(given.at), turn * (_numbers(given.size) / 2), color, size)
+        yield box(_numbers(cuboid.at), turn * (_numbers(cuboid.size) / 2), color, size)
     for tube in body.cylinders:
         a, b = map(_numbers, tube.ends)
         yield cylinder(a, b, float(tube.radius), color, size)
@@ -572,7 +574,7 @@ def _solids(body: Body, size: float, thin: float, color: int) -> Iterator[MeshPa
         yield ball(_numbers(sphere.at), float(sphere.radius), color)
 
 
-def _like_its_inertia(body: Body, color: int, size: float) -> tuple[Array, MeshPart | None]:
+def _inertia_solid(body: Body, color: int, size: float) -> tuple[Array, MeshPart | None]:
     """Centre of mass, and the uniform box or cylinder that has the body's moments.
 
     A body without solids whose moments are those of no box, or of one that is much larger than the

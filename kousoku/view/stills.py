@@ -28,7 +28,7 @@ SHADES = 12
 LAMP = np.array([-0.4, 0.75, 0.65]) / np.linalg.norm([-0.4, 0.75, 0.65])
 """Direction toward the light: right, up, toward the viewer."""
 VIEWING_DISTANCE = 4.5
-"""Distance of the viewer from the middle, in radii of what is seen."""
+"""Distance of the viewer from the middle, in radii of the scene."""
 SIZE = (640, 420)
 """Width and height of a picture, in the pixels of a page."""
 LARGEST_PICTURE = 460_000
@@ -42,7 +42,7 @@ CORNER, PIECES = 0.12, 4
 FEW_POINTS, LONGEST_PATH = 240, 4000
 """A path of no more points is drawn as it is; of a longer motion the path begins with these."""
 STRIP = 400.0
-"""Height below a picture for what says where x, y and z are."""
+"""Height below a picture for the directions x, y and z."""
 STYLE = (
     ".e{fill:none;stroke:#2b3140;stroke-width:8;stroke-linecap:round;opacity:.7}"
     ".g{fill:none;stroke:#8a94a6;stroke-width:7;opacity:.35}"
@@ -61,7 +61,7 @@ class Stroke:
     Parameters
     ----------
     points : (n, 2)
-        Where it goes.
+        Its points.
     look : {"axis", "path", "strut", "grid"}
         What it is.
     color : int
@@ -103,7 +103,7 @@ class Face:
 
 
 class Camera:
-    """From where a picture is seen: all that moves fits into it.
+    """Camera of a picture: all that moves fits into it.
 
     Parameters
     ----------
@@ -141,17 +141,17 @@ class Camera:
         self._center = (least + most) / 2
 
     def seen(self, points: Array) -> tuple[Array, Array]:
-        """Places of points of frame O in the picture, and how near they are."""
+        """Points of frame O in the picture, and their depths, larger nearer to the viewer."""
         x, y, z = np.moveaxis((points - self.middle) @ self.axes.T, -1, 0)
-        nearer = self._nearer(z)
-        flat = np.stack([nearer * x, nearer * y], axis=-1) - self._center
+        magnification = self._magnification(z)
+        flat = np.stack([magnification * x, magnification * y], axis=-1) - self._center
         return self._size / 2 + self._scale * flat * [1.0, -1.0], z
 
-    def _nearer(self, z: Array) -> Array:
+    def _magnification(self, z: Array) -> Array:
         if np.isinf(self._distance):
             return np.ones_like(z)
-        found: Array = self._distance / np.maximum(self._distance - z, 0.05 * self._distance)
-        return found
+        factor: Array = self._distance / np.maximum(self._distance - z, 0.05 * self._distance)
+        return factor
 
     @property
     def scale(self) -> float:
@@ -160,22 +160,24 @@ class Camera:
 
 
 def _reached(picture: Picture) -> Array:
-    """Corners of the space that bodies reach, over the whole motion, (n, 3) in frame O."""
-    found = []
+    """Corners of boxes around the bodies over the whole motion, (n, 3) in frame O."""
+    clouds = []
     rows = np.unique(np.linspace(0, len(picture.time) - 1, 60).round().astype(int))
     for k, shape in enumerate(picture.shapes.bodies):
         if not shape.parts:
-            own = np.zeros((1, 3))
+            corners = np.zeros((1, 3))
         else:
-            own = np.concatenate([vertices_of(part) for part in shape.parts])
-            low, high = own.min(axis=0), own.max(axis=0)
-            own = low + (high - low) * np.array(list(np.ndindex(2, 2, 2)))
+            corners = np.concatenate([vertices_of(part) for part in shape.parts])
+            low, high = corners.min(axis=0), corners.max(axis=0)
+            corners = low + (high - low) * np.array(list(np.ndindex(2, 2, 2)))
         if k == 0:
-            found.append(own if shape.parts else np.zeros((0, 3)))
+            clouds.append(corners if shape.parts else np.zeros((0, 3)))
             continue
         for row in rows:
-            found.append(own @ rotation(picture.turn[row, k - 1]).T + picture.position[row, k - 1])
-    points = np.concatenate(found)
+            clouds.append(
+                corners @ rotation(picture.turn[row, k - 1]).T + picture.position[row, k - 1]
+            )
+    points = np.concatenate(clouds)
     return points if len(points) else np.zeros((1, 3))
 
 
@@ -216,26 +218,26 @@ def _faces(part: MeshPart, points: Array, camera: Camera, sides: int) -> Iterato
     mesh = mesh_of(coarse(part.mesh, sides))
     flat, near = camera.seen(points)
     for corners, edges, tone in zip(mesh.faces, mesh.edges, mesh.tones, strict=True):
-        places = list(corners)
-        ring = flat[places]
+        indices = list(corners)
+        ring = flat[indices]
         (ax, ay), (bx, by) = ring[1] - ring[0], ring[2] - ring[0]
         if ax * by - ay * bx >= 0.0:
             continue
-        solid = points[places]
-        normal = np.cross(solid, np.roll(solid, -1, axis=0)).sum(axis=0)
+        vertices = points[indices]
+        normal = np.cross(vertices, np.roll(vertices, -1, axis=0)).sum(axis=0)
         size = float(np.linalg.norm(normal)) or 1.0
         light = float(LAMP @ camera.axes @ normal) / size
         bright = min(1.0, max(0.0, 0.12 + 0.88 * light - 0.22 * tone))
         shade = round((SHADES - 1) * bright)
-        yield Face(ring, part.color, shade, edges, float(near[places].mean()))
+        yield Face(ring, part.color, shade, edges, float(near[indices].mean()))
 
 
 def _lines(picture: Picture, row: int, camera: Camera) -> Iterator[Stroke]:
     for axis in picture.shapes.axes:
-        parts = np.array([-1.0, -0.55, -0.47, -0.39, -0.31, 0.31, 0.39, 0.47, 0.55, 1.0])
-        ends = placed(picture, row, axis.body, axis.s + parts[:, None] * axis.half)
+        fractions = np.array([-1.0, -0.55, -0.47, -0.39, -0.31, 0.31, 0.39, 0.47, 0.55, 1.0])
+        ends = placed(picture, row, axis.body, axis.s + fractions[:, None] * axis.half)
         flat, near = camera.seen(ends)
-        for k in range(0, len(parts), 2):
+        for k in range(0, len(fractions), 2):
             yield Stroke(flat[k : k + 2], "axis", depth=float(near[k : k + 2].mean()))
     for strut in picture.shapes.struts:
         ends = np.array(
@@ -269,41 +271,41 @@ def _zigzag(ends: Array, toward: Array, wide: float) -> Array:
 
 def paths_seen(picture: Picture, camera: Camera) -> list[Stroke]:
     """Paths of the chosen points."""
-    rows, found = range(min(len(picture.time), LONGEST_PATH)), []
+    rows, strokes = range(min(len(picture.time), LONGEST_PATH)), []
     for path in picture.paths:
         points = np.array([placed(picture, row, path.body, path.s) for row in rows])
         color = picture.shapes.bodies[path.body].color
         points = curve(points) if len(points) > FEW_POINTS else points
-        found.append(Stroke(camera.seen(points)[0], "path", color))
-    return found
+        strokes.append(Stroke(camera.seen(points)[0], "path", color))
+    return strokes
 
 
 def curve(points: Array) -> Array:
     """Curve through three points or more, of as many pieces as its corners ask for."""
-    way = np.diff(points, axis=0)
-    length = np.linalg.norm(way, axis=1)
-    cosine = (way[1:] * way[:-1]).sum(axis=1)
-    both = np.maximum(length[1:] * length[:-1], 1e-300)
+    chords = np.diff(points, axis=0)
+    length = np.linalg.norm(chords, axis=1)
+    cosine = (chords[1:] * chords[:-1]).sum(axis=1)
+    products = np.maximum(length[1:] * length[:-1], 1e-300)
     bend = np.zeros(len(points))
-    bend[1:-1] = np.arccos(np.clip(cosine / both, -1.0, 1.0))
+    bend[1:-1] = np.arccos(np.clip(cosine / products, -1.0, 1.0))
     tangent = np.zeros_like(points)
     tangent[1:-1] = 0.5 * (points[2:] - points[:-2])
-    tangent[[0, -1]] = 1.5 * way[[0, -1]] - 0.5 * way[[1, -2]]
-    found, last, turn, since = [points[:1]], len(points) - 1, 0.0, 0
+    tangent[[0, -1]] = 1.5 * chords[[0, -1]] - 0.5 * chords[[1, -2]]
+    curves, last, turn, skipped = [points[:1]], len(points) - 1, 0.0, 0
     for k in range(1, last + 1):
         pieces = int(np.clip(np.ceil(max(bend[k - 1], bend[k]) / CORNER), 1, PIECES))
-        turn, since = turn + bend[k], since + 1
-        if pieces == 1 and turn < CORNER / 2 and since < len(points) / FEW_POINTS and k < last:
+        turn, skipped = turn + bend[k], skipped + 1
+        if pieces == 1 and turn < CORNER / 2 and skipped < len(points) / FEW_POINTS and k < last:
             continue
-        turn, since = 0.0, 0
+        turn, skipped = 0.0, 0
         s = np.arange(1, pieces + 1)[:, np.newaxis] / pieces
-        found.append(
+        curves.append(
             (1 + 2 * s) * (1 - s) ** 2 * points[k - 1]
             + s * (1 - s) ** 2 * tangent[k - 1]
             + s**2 * (3 - 2 * s) * points[k]
             - s**2 * (1 - s) * tangent[k]
         )
-    return np.concatenate(found)
+    return np.concatenate(curves)
 
 
 def grid_seen(picture: Picture, camera: Camera) -> tuple[list[Stroke], float]:
@@ -318,12 +320,12 @@ def grid_seen(picture: Picture, camera: Camera) -> tuple[list[Stroke], float]:
     size = float(power * max(step for step in (1, 2, 5) if step <= rough / power * (1 + 1e-9)))
     reach = size * np.ceil(1.15 * camera.radius / size)
     u, v = (size * np.round(camera.middle @ axis / size) for axis in (east, along))
-    found = []
+    strokes = []
     for d in np.arange(-reach, reach + size / 2, size):
         for ends in (((d, -reach), (d, reach)), ((-reach, d), (reach, d))):
             points = [(u + a) * east + (v + b) * along + height * normal for a, b in ends]
-            found.append(Stroke(camera.seen(np.array(points))[0], "grid"))
-    return found, size
+            strokes.append(Stroke(camera.seen(np.array(points))[0], "grid"))
+    return strokes, size
 
 
 def color_of(color: int, shade: int) -> str:
@@ -373,19 +375,21 @@ def moving_svg(picture: Picture, largest: int = LARGEST_PICTURE) -> str:
     frames = int(min(duration * FRAMES, (largest - 12_000) / bytes_each, len(picture.time)))
     rows = np.linspace(0, len(picture.time) - 1, max(frames, 2) + 1)[:-1].round().astype(int)
     step = duration / len(rows)
-    parts, used = [], set()
+    groups, shades = [], set()
     for k, row in enumerate(rows):
         body, classes = _frame(drawn(picture, int(row), camera, COARSE))
-        used |= classes
+        shades |= classes
         delay = f"{k * step - duration:.3f}" if k else "0"
-        parts.append(f'<g class="f{" n" if k else ""}" style="animation-delay:{delay}s">{body}</g>')
-    shown = 100.0 / len(rows)
+        groups.append(
+            f'<g class="f{" n" if k else ""}" style="animation-delay:{delay}s">{body}</g>'
+        )
+    share = 100.0 / len(rows)
     style = (
         f".f{{animation:f {duration:.3f}s step-end infinite}}.n{{visibility:hidden}}"
-        f"@keyframes f{{0%{{visibility:visible}}{shown:.4f}%{{visibility:hidden}}}}"
+        f"@keyframes f{{0%{{visibility:visible}}{share:.4f}%{{visibility:hidden}}}}"
         "@media(prefers-reduced-motion:reduce){.f{animation:none}}"
     )
-    return _document(picture, camera, SIZE, "\n".join(parts), used, style=style)
+    return _document(picture, camera, SIZE, "\n".join(groups), shades, style=style)
 
 
 def _camera(picture: Picture, size: tuple[int, int]) -> Camera:
@@ -398,14 +402,14 @@ def _document(
     camera: Camera,
     size: tuple[int, int],
     body: str,
-    used: set[tuple[int, int]],
+    shades: set[tuple[int, int]],
     *,
     style: str = "",
 ) -> str:
     grid, step = grid_seen(picture, camera)
     fills = "".join(
         f".{_class(color, shade)}{{fill:{color_of(color, shade)};stroke:{color_of(color, shade)}}}"
-        for color, shade in sorted(used)
+        for color, shade in sorted(shades)
     )
     lines = f'<path class="g" d="{"".join(_line(stroke.points) for stroke in grid)}"/>'
     for path in paths_seen(picture, camera):
@@ -426,16 +430,16 @@ def _document(
 def _directions(camera: Camera, size: tuple[int, int]) -> str:
     """Directions of frame O, at the lower left."""
     x, y = 400.0, 10.0 * size[1] - 380.0
-    found = []
+    elements = []
     for k, ink in enumerate(("#d0453b", "#3d9a50", "#4a7fe0")):
         dx, dy = 280 * camera.axes[0, k], -280 * camera.axes[1, k]
         if np.hypot(dx, dy) < 30.0:
             continue
         style = f'style="fill:none;stroke:{ink};stroke-width:20"'
-        found.append(f'<path {style} d="M{x:.0f} {y:.0f}l{dx:.0f} {dy:.0f}"/>')
+        elements.append(f'<path {style} d="M{x:.0f} {y:.0f}l{dx:.0f} {dy:.0f}"/>')
         at = f'x="{x + 1.35 * dx:.0f}" y="{y + 1.35 * dy + 40:.0f}"'
-        found.append(f'<text {at} style="fill:{ink};text-anchor:middle">{"xyz"[k]}</text>')
-    return "".join(found)
+        elements.append(f'<text {at} style="fill:{ink};text-anchor:middle">{"xyz"[k]}</text>')
+    return "".join(elements)
 
 
 def _class(color: int, shade: int) -> str:
@@ -445,7 +449,7 @@ def _class(color: int, shade: int) -> str:
 def _frame(items: Sequence[Face | Stroke]) -> tuple[str, set[tuple[int, int]]]:
     """Paths that are drawn, and the shades in them; neighbours alike are one path."""
     runs: list[tuple[str, list[str]]] = []
-    used = set()
+    shades = set()
 
     def add(look: str, path: str) -> None:
         if runs and runs[-1][0] == look:
@@ -460,30 +464,30 @@ def _frame(items: Sequence[Face | Stroke]) -> tuple[str, set[tuple[int, int]]]:
                 look = f'class="s" style="stroke-width:{item.width:.0f}"'
             add(look, _line(item.points))
             continue
-        used.add((item.color, item.shade))
+        shades.add((item.color, item.shade))
         is_outlined = item.edges == (1 << len(item.points)) - 1
         look = f"{_class(item.color, item.shade)}{' o' if is_outlined else ''}"
         add(f'class="{look}"', _line(item.points) + "z")
         if item.edges and not is_outlined:
             add('class="e"', _edges(item))
-    return "".join(f'<path {look} d="{"".join(paths)}"/>' for look, paths in runs), used
+    return "".join(f'<path {look} d="{"".join(paths)}"/>' for look, paths in runs), shades
 
 
 def _edges(face: Face) -> str:
     """Sides of a face that are drawn."""
     count = len(face.points)
-    found = []
+    lines = []
     for k in range(count):
         if face.edges >> k & 1:
-            found.append(_line(face.points[[k, (k + 1) % count]]))
-    return "".join(found)
+            lines.append(_line(face.points[[k, (k + 1) % count]]))
+    return "".join(lines)
 
 
 def _line(points: Array) -> str:
     """Line of a path, in whole numbers from point to point."""
-    whole = np.rint(points).astype(int)
-    steps = np.diff(whole, axis=0).tolist()
-    x, y = whole[0].tolist()
+    rounded = np.rint(points).astype(int)
+    steps = np.diff(rounded, axis=0).tolist()
+    x, y = rounded[0].tolist()
     moves = "".join(_pair(dx, dy) for dx, dy in steps)
     return f"M{x} {y}l{moves.lstrip()}"
 

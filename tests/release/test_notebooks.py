@@ -100,8 +100,8 @@ def test_notebook_shows_what_is_committed(
 
 
 def test_progress_leaves_nothing_to_be_seen_in_a_cell() -> None:
-    source = """from kousoku.progress import told
-with told() as tell:
+    source = """from kousoku.progress import status_line
+with status_line() as tell:
     tell("generating <loop>")
     tell("compiling <loop>")
 """
