@@ -210,7 +210,7 @@ def order(
         Their difference is no polynomial whose coefficients are all positive.
     """
     difference = vocabulary.ring().scalar(as_value(right) - as_value(left))
-    if not difference.under.is_one or any(c < 0 for c in difference.over.coeffs()):
+    if not difference.denominator.is_one or any(c < 0 for c in difference.numerator.coeffs()):
         raise LedgerError("the left side may be greater")
     return "never greater, for positive quantities"
 
