@@ -237,9 +237,9 @@ def _same_shape(left: Scalar | SymbolicMatrix, right: Scalar | SymbolicMatrix) -
 
 def _shown(fraction: Any) -> str:
     """Number as text; one that holds roots has no short form."""
-    if not fraction.over.is_ground or not fraction.under.is_ground:
+    if not fraction.numerator.is_ground or not fraction.denominator.is_ground:
         return "a number with roots"
-    return str(fraction.over.coeff(1) / fraction.under.coeff(1))
+    return str(fraction.numerator.coeff(1) / fraction.denominator.coeff(1))
 
 
 def derived(package: str, function: str, output: str) -> Value:
