@@ -162,10 +162,8 @@ def _elements(system: System, program: Program, free: Mapping[int, int]) -> int:
         kept_rows[residuals.first[row.instance] + row.row] = True
     kept_columns = np.zeros(residuals.columns, bool)
     kept_columns[_columns(program)] = True
-    present = kept_rows[rows] & kept_columns[columns] & (np.abs(values) > NEGLIGIBLE_ENTRY)
-    elements = np.unique(
-        rows[present] * residuals.columns + columns[present]
-    )  # bodies may be shared
+    kept = kept_rows[rows] & kept_columns[columns] & (np.abs(values) > NEGLIGIBLE_ENTRY)
+    elements = np.unique(rows[kept] * residuals.columns + columns[kept])  # bodies may be shared
     blocks, counts = np.unique(elements // COLUMNS, return_counts=True)
     bodies = (blocks % (residuals.columns // COLUMNS)).tolist()
     return sum(free.get(k, n) for k, n in zip(bodies, counts.tolist(), strict=True))
