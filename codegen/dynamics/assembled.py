@@ -27,7 +27,7 @@ class Assembled:
         The scene as it is written.
     placed : System
         The scene at positions and velocities that its joints and drivers allow, with the
-        constraints that hold in assembly only.
+        coordinates that only assembly holds.
     system : System
         The same without these: the system that moves.
     """
