@@ -89,12 +89,10 @@ def references(
 def _kernels(
     package: Package, functions: Sequence[Function], is_thorough: bool
 ) -> list[dict[str, object]]:
-    all_components = [freeze_components(function) for function in functions]
+    frozen = [freeze_components(function) for function in functions]
     kernels: list[dict[str, object]] = []
-    for kernel, function, components in zip(
-        package.kernels, functions, all_components, strict=True
-    ):
-        points = _points(function, components, all_components, is_thorough)
+    for kernel, function, components in zip(package.kernels, functions, frozen, strict=True):
+        points = _points(function, components, frozen, is_thorough)
         evaluated = [(point, values_at(kernel, function, components, point)) for point in points]
         valid = [(point, values) for point, values in evaluated if values is not None]
         if not any(_is_finite(point) for point, _ in valid):
@@ -179,10 +177,8 @@ def _manifold_points(
 def _solution(components: Kernel, stream: Sha256Random) -> dict[str, tuple[float, ...]] | None:
     """Point on the constraint manifold, None where no start leads there."""
     # Only the first start takes from the stream: later points are the same however many it takes.
-    for start_stream in (
-        stream,
-        *(Sha256Random(f"start {number}") for number in range(1, MOST_STARTS)),
-    ):
+    streams = (stream, *(Sha256Random(f"start {number}") for number in range(1, MOST_STARTS)))
+    for start_stream in streams:
         start = ordinary(components.inputs, start_stream)
         solution = solve_constraint(components, CONSTRAINT, start)
         if solution is not None:
