@@ -37,7 +37,7 @@ FILES = {
 #: Files of the runtime that need nothing else of it: a copy goes along, so that a folder that alone
 #: is copied out works on NumPy, and its batches compile.
 LIBRARIES = ("batch_numpy.py", "lanes.h")
-#: Functions of messages: a copy goes along with solvers of scenes.
+#: Module that composes messages: a copy goes along with solvers of scenes.
 MESSAGES = "messages.py"
 #: Paths of copies of files of ``model``, and names of these.
 OF_MODEL = {"integrate/angles.py": "angles.py"}

@@ -23,7 +23,7 @@ from kousoku.codegen.linkage.kernels import block_kernels
 from kousoku.codegen.linkage.layout import WorkspaceLayout
 from kousoku.codegen.linkage.outputs import angle_kernel, node_kernel
 from kousoku.codegen.linkage.reference import reference_values
-from kousoku.codegen.linkage.solution import places
+from kousoku.codegen.linkage.solution import positions_of
 from kousoku.model.files.manifest import REFERENCE_FILE
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 
 def layout_of(assembly: Assembly) -> WorkspaceLayout:
-    """Equations of an assembly block by block, and the places of all numbers."""
+    """Equations of an assembly block by block, and the indices of all numbers."""
     wanted = [term.coordinate for _, x, y in assembly.nodes for term in (x, y)]
     blocks = live_blocks(assembly, triangular_blocks(assembly), wanted)
     return WorkspaceLayout(assembly, blocks)
@@ -91,5 +91,5 @@ def generate_linkage(scene: Scene, *, references: bool = False) -> dict[str, str
     program = program_of(layout)
     more = {}
     if references:
-        more[REFERENCE_FILE] = reference_values(program, layout, places(layout))
+        more[REFERENCE_FILE] = reference_values(program, layout, positions_of(layout))
     return emit_linkage(program, layout, more)
