@@ -92,7 +92,7 @@ class Exact:
         if not self.layout.is_moving(term):
             fixed = term.factor * coordinate.start if coordinate.role is Role.FIXED else _ZERO
             return self.constant(("fixed", term), term.offset + fixed if order == 0 else _ZERO)
-        name, index = self.layout.everywhere[term.coordinate]
+        name, index = self.layout.locations[term.coordinate]
         moving = self.motion[name + SUFFIXES[order]][index]
         if term.factor != 1:
             moving = moving * self.constant(("factor", term), term.factor)
