@@ -219,6 +219,5 @@ class _Assembler:
         beta2 = Affine(heading.coordinate, heading.factor, heading.offset - HALF_TURN)
         (x1, y1), (x2, y2) = self.nodes[first], self.nodes[second]
         coordinates = (x1, y1, self.ends.get((name, first), Affine(0)), x2, y2, beta2)
-        return LinkElement(
-            name, (first, second), Fraction(self.scene.length(name)), coordinates, rows
-        )
+        length = Fraction(self.scene.length(name))
+        return LinkElement(name, (first, second), length, coordinates, rows)
