@@ -13,6 +13,6 @@ functions.
 
 Reference values of a kernel are computed by ``reference``, with the units of ``error_unit``, at
 ``points`` and ``states``, with numbers of ``sha256_random``, which ``manifold`` puts onto a
-constraint; ``known_errors`` has errors beyond the limit that are known. Folders: ``passes`` over kernels,
-templates, and the solvers of scenes, ``dynamics`` of bodies and ``linkage`` of nodes.
+constraint; ``known_errors`` has errors beyond the limit that are known. Folders: ``passes`` over
+kernels, templates, and the solvers of scenes, ``dynamics`` of bodies and ``linkage`` of nodes.
 """
