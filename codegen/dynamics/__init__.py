@@ -1,9 +1,9 @@
 """Compose the motion of a system from frozen kinds: a program of small kernels on one workspace.
 
-:mod:`~kousoku.codegen.dynamics.generate` is the way from a scene to the folder of its solver:
+:mod:`~kousoku.codegen.dynamics.generate` goes from a scene to the folder of its solver:
 :mod:`~kousoku.codegen.dynamics.assembled` makes the system and its consistent start,
-:mod:`~kousoku.codegen.dynamics.analyse` decides what is solved, ``composition`` records it, and
-:mod:`~kousoku.codegen.dynamics.choose` takes of two programs one, where only composing them tells.
+:mod:`~kousoku.codegen.dynamics.analyse` decides on its equations, ``composition`` records them, and
+:mod:`~kousoku.codegen.dynamics.choose` chooses between two programs, where composing alone tells.
 
 Packages, the lowest first; each imports those before it only,
 but ``elements``, whose types name its callers:

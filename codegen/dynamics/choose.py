@@ -44,14 +44,14 @@ class Choice:
     analysed : Analysed
         System that both are composed from: the scene as analysed, or with all inertias for forces
         that lead out of its plane.
-    whole : Program
+    absolute : Program
         The program without joint coordinates.
     program : Program
         The one that costs less.
     """
 
     analysed: Analysed
-    whole: Program
+    absolute: Program
     program: Program
 
 
@@ -66,11 +66,11 @@ def choice_of(analysed: Analysed, wanted: Sequence[str]) -> Choice:
         Outputs that are computed.
     """
     if "reactions" in wanted:
-        chosen, whole = with_reactions(analysed, wanted)
+        chosen, absolute = with_reactions(analysed, wanted)
     else:
-        chosen, whole = analysed, compose(analysed, wanted)
-    whole = replace(whole, has_masses=not analysed.missing)
-    return Choice(chosen, whole, cheaper(chosen, wanted, whole))
+        chosen, absolute = analysed, compose(analysed, wanted)
+    absolute = replace(absolute, has_masses=not analysed.missing)
+    return Choice(chosen, absolute, cheaper(chosen, wanted, absolute))
 
 
 def cheaper(

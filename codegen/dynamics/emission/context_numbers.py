@@ -283,8 +283,8 @@ def floors(program: Program, length: float) -> list[float]:
     """Floors of the coordinates: the least scale of the change of each."""
     lengths = {slot for slot, _ in shift_slots(program)}
     ignored = {entry.place.slot for entry in program.auxiliary}
-    own = slots(program, "q")
-    return [IGNORED if k in ignored else length if k in lengths else 1.0 for k in own]
+    entries = slots(program, "q")
+    return [IGNORED if k in ignored else length if k in lengths else 1.0 for k in entries]
 
 
 def shift_slots(program: Program) -> list[tuple[int, int]]:
