@@ -1,4 +1,4 @@
-"""From a kernel to the context that templates fill in."""
+"""Context of the templates of a package of kernels."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _POLYNOMIAL = frozenset({Op.ADD, Op.SUB, Op.MUL, Op.NEG})
 
 
 def package_context(package: Package, version: str, digest: str) -> PackageContext:
-    """Context that the templates of all files get.
+    """Context of the templates of all files.
 
     Raises
     ------
@@ -61,13 +61,13 @@ def _kernel_contexts(family: Sequence[Kernel], choices: Sequence[str]) -> Iterat
     inputs = arguments_of(kernel.inputs, namer)
     outputs = arguments_of(kernel.outputs, namer)
     unwanted = unwanted_of(outputs, namer)
-    into = _declared("", outputs)
-    everything = tuple(range(len(outputs)))
+    output_arguments = _declared("", outputs)
+    all_outputs = tuple(range(len(outputs)))
     bodies = tuple(
         Bodies(tuple(family), name, chosen, (inputs, outputs)).context()
-        for chosen in (everything, *((k,) for k in _cheap_alone(kernel)))
+        for chosen in (all_outputs, *((k,) for k in _cheap_alone(kernel)))
     )
-    costs = {one.name: _cost(one) for one in family}
+    costs = {member.name: _cost(member) for member in family}
     first = KernelContext(
         name=identifier(kernel.name, "kernel name"),
         family=name,
@@ -85,12 +85,13 @@ def _kernel_contexts(family: Sequence[Kernel], choices: Sequence[str]) -> Iterat
         declared=_declared("const double *KOUSOKU_RESTRICT ", inputs)
         + _declared("double *KOUSOKU_RESTRICT ", outputs),
         parameters=_declared("in_array ", inputs) + _declared("out_array ", outputs),
-        arguments=_declared("", inputs) + into,
+        arguments=_declared("", inputs) + output_arguments,
         calls=calls_of(inputs, outputs),
         flags=tuple(namer.take(f"with_{a.name}") for a in outputs),
         unwanted=", ".join(f"{x}[{a.size}]" for x, a in zip(unwanted, outputs, strict=True)),
         alone_calls=tuple(
-            (*_declared("", inputs), *unwanted[:k], into[k], *unwanted[k + 1 :]) for k in everything
+            (*_declared("", inputs), *unwanted[:k], output_arguments[k], *unwanted[k + 1 :])
+            for k in all_outputs
         ),
         bodies=bodies,
         is_polynomial=set(kernel.operations) <= _POLYNOMIAL,
@@ -114,20 +115,20 @@ def _source(kernel: Kernel) -> str:
 def _cheap_alone(kernel: Kernel) -> tuple[int, ...]:
     """Outputs that need at most half of the operations, which get a body of their own.
 
-    For any other the body for all outputs runs: it costs at most twice as much.
+    For other outputs the body for all of them runs: it costs at most twice as much.
     """
-    everything = range(len(kernel.outputs))
-    if len(everything) == 1:
+    all_outputs = range(len(kernel.outputs))
+    if len(all_outputs) == 1:
         return ()
-    whole = count_operations(kernel, everything)
-    return tuple(k for k in everything if 2 * count_operations(kernel, (k,)) <= whole)
+    total = count_operations(kernel, all_outputs)
+    return tuple(k for k in all_outputs if 2 * count_operations(kernel, (k,)) <= total)
 
 
 def _declared(kind: str, arguments: tuple[ArgumentContext, ...]) -> tuple[str, ...]:
     return tuple(f"{kind}{argument.symbol}" for argument in arguments)
 
 
-#: Where a count of operations without sharing ends: it grows exponentially.
+#: Largest count of operations without sharing that is told: it grows exponentially.
 _COUNTLESS = 10**6
 
 
@@ -141,7 +142,7 @@ def _summary(kernel: Kernel) -> str:
 
 
 def _cost(kernel: Kernel) -> tuple[str, ...]:
-    """Operations that run, and how many it would be if nothing were shared."""
+    """Counts of the operations that run, and their count without sharing."""
     counts = kernel.operations
     parts = [f"{counts[op]} {op.value}" for op in Op if counts[op]]
     if not parts:

@@ -22,16 +22,16 @@ WIDTH = 77
 
 @dataclass(frozen=True, slots=True)
 class Assignment:
-    """A value that has a name.
+    """Assignment of a value to a name.
 
     Parameters
     ----------
     name, text : str
         ``name = text``.
     function : str
-        What is called; empty for arithmetic.
+        Function that is called; empty for arithmetic.
     arguments : tuple of str
-        Of the call: names, never expressions.
+        Arguments of the call: names, never expressions.
     is_number : bool
         Whether the value is a constant.
     ready : tuple of (str, str)
@@ -48,12 +48,12 @@ class Assignment:
 
 @dataclass(frozen=True, slots=True)
 class OutputText:
-    """The elements of one output.
+    """Elements of one output.
 
     Parameters
     ----------
     name : str
-        The output, as it is called in the text.
+        Name of the output in the text.
     size : int
         Count of its elements.
     elements : tuple of str
@@ -129,8 +129,8 @@ def layout(
 ) -> LineLayout:
     """Decide which nodes get a line of their own.
 
-    What is used once is written where it is used, as long as the line stays short; what has a
-    name, what is used later, and what is called or is an operand of a call, stands alone.
+    A node with one use is written where it is used, as long as the line stays short; nodes that
+    have a name or are used later, calls, and operands of calls stand alone.
 
     Parameters
     ----------
@@ -141,7 +141,7 @@ def layout(
     leaves : mapping
         The text of each element of the inputs.
     live : sequence of int, optional
-        The nodes to compute, in topological order; what the outputs need by default.
+        The nodes to compute, in topological order; by default those that the outputs need.
     before, used_later : frozenset of int
         The nodes that are known already, and those to compute that others will need.
     """

@@ -1,4 +1,4 @@
-"""The arguments of a kernel: how C declares, loads, stores and passes them."""
+"""Arguments of a kernel, as C declares, loads, stores and passes them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def arguments_of(quantities: Sequence[Quantity], namer: Namer) -> tuple[ArgumentContext, ...]:
-    """Inputs or the outputs of a kernel."""
+    """Contexts of the inputs or the outputs of a kernel."""
     symbols = [namer.take(quantity.name) for quantity in quantities]
     shapes = [str(quantity.shape).replace(",)", ")") for quantity in quantities]
     columns = list(zip(symbols, shapes, (f"[{q.unit}]" for q in quantities), strict=True))

@@ -38,9 +38,9 @@ class Bodies:
     kernels : tuple of Kernel
         They have the same arguments, and differ in the choice of rows; mostly one.
     name : str
-        Of the family.
+        Name of the family.
     outputs : tuple of int
-        Those that are computed.
+        Indices of those that are computed.
     arguments : tuple of (tuple of ArgumentContext, tuple of ArgumentContext)
         Inputs and outputs.
     """
@@ -53,7 +53,7 @@ class Bodies:
     def context(self) -> BodyContext:
         """Text in C and in NumPy, line by line the same."""
         inputs, outputs = self.arguments
-        merged = together(self.kernels)
+        merged = merged_kernel(self.kernels)
         elements = [(a, k) for a in inputs for k in range(a.size)]
         in_c = {(a.name, k): f"{a.symbol}[{k}]" for a, k in elements}
         live = {merged.nodes[node].symbol for tail in self._live(merged) for node in tail}
@@ -102,10 +102,10 @@ class Bodies:
         later = _used_later(merged, common, needs, [self._written(k) for k in range(len(needs))])
         plan = layout(merged, (), in_c, live=sorted(common), used_later=later)
         head, known = straight_line(plan, printer, leaves, namer)
-        tails, read = [], {merged.nodes[node].symbol for need in needs for node in need}
+        tails, symbols_read = [], {merged.nodes[node].symbol for need in needs for node in need}
         for choice, need in enumerate(needs):
-            own = [node for node in need if node not in common]
-            plan = layout(merged, self._written(choice), in_c, live=own, before=common)
+            live = [node for node in need if node not in common]
+            plan = layout(merged, self._written(choice), in_c, live=live, before=common)
             statements, texts = straight_line(plan, printer, leaves, deepcopy(namer), known)
             results = tuple(
                 output_text(merged, number, outputs[k].symbol, texts)
@@ -113,7 +113,7 @@ class Bodies:
             )
             first, statements = with_outputs(plan, statements, results)
             tails.append(TailText(first, statements, results))
-        names = {symbol[0] for symbol in read if symbol is not None}
+        names = {symbol[0] for symbol in symbols_read if symbol is not None}
         is_public = len(self.outputs) == len(outputs) and printer is printers.NUMPY
         read_inputs = tuple(a for a in inputs if is_public or a.name in names)
         return BodyText(
@@ -136,36 +136,36 @@ def _used_later(
     written: Sequence[Sequence[int]],
 ) -> frozenset[int]:
     """Common nodes that a choice uses or writes."""
-    own = {node for need in needs for node in need} - common
-    used = {arg for node in own for arg in merged.nodes[node].args}
+    choice_nodes = {node for need in needs for node in need} - common
+    used = {arg for node in choice_nodes for arg in merged.nodes[node].args}
     used.update(node for outputs in written for k in outputs for node in merged.results[k])
     return common & used
 
 
-def together(kernels: Sequence[Kernel]) -> Kernel:
-    """Kernel with the outputs of several, in which equal nodes are one.
+def merged_kernel(kernels: Sequence[Kernel]) -> Kernel:
+    """Kernel with the outputs of several kernels, in which equal nodes are one.
 
     Sums and products are equal whatever the order of their operands, which no bit depends on.
     """
     if len(kernels) == 1:
         return kernels[0]
     nodes: list[OperationNode[int]] = []
-    known: dict[OperationNode[int], int] = {}
+    merged: dict[OperationNode[int], int] = {}
     results: list[tuple[int, ...]] = []
     names: dict[int, str] = {}
     for kernel in kernels:
-        places: list[int] = []
+        ids: list[int] = []
         for node in kernel.nodes:
-            moved = node.with_args(tuple(places[arg] for arg in node.args))
-            key = moved
+            copy = node.with_args(tuple(ids[arg] for arg in node.args))
+            key = copy
             if node.op in _COMMUTATIVE:
-                key = moved.with_args(tuple(sorted(moved.args)))
-            if key not in known:
-                known[key] = len(nodes)
-                nodes.append(moved)
-            places.append(known[key])
-        results += [tuple(places[node] for node in result) for result in kernel.results]
-        names |= {places[node]: name for node, name in kernel.names if places[node] not in names}
+                key = copy.with_args(tuple(sorted(copy.args)))
+            if key not in merged:
+                merged[key] = len(nodes)
+                nodes.append(copy)
+            ids.append(merged[key])
+        results += [tuple(ids[node] for node in result) for result in kernel.results]
+        names |= {ids[node]: name for node, name in kernel.names if ids[node] not in names}
     return replace(
         kernels[0],
         outputs=tuple(output for kernel in kernels for output in kernel.outputs),

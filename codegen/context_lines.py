@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 WIDTH = 100
-#: How comments of C write the lectures' letters.
+#: Spellings of the lectures' letters in comments of C.
 _ASCII = {
     "′": "'", "−": "-", "–": "-", "·": ".", "∘": " o ", "×": "x", "…": "...",
     "²": "^2", "³": "^3", "⁰": "^0", "ᵀ": "^T", "½": "1/2", "√": "sqrt", "∂": "d", "∞": "inf",
@@ -24,8 +24,8 @@ def ascii_of(text: str) -> str:
 
     A letter without a spelling, of a user's title, stays.
     """
-    apart = re.sub(r"(?<=[ᵀ½])(?=\w)", " ", text)
-    return "".join(_ASCII.get(letter, letter) for letter in apart)
+    spaced = re.sub(r"(?<=[ᵀ½])(?=\w)", " ", text)
+    return "".join(_ASCII.get(letter, letter) for letter in spaced)
 
 
 def plain(text: str) -> str:
@@ -36,9 +36,9 @@ def plain(text: str) -> str:
 
 def c_call(indent: str, head: str, items: Sequence[str]) -> str:
     """``head(items)``, as a call or a declaration, in lines that fit."""
-    whole = f"{indent}{head}({', '.join(items) or 'void'})"
-    if len(whole) < WIDTH:
-        return whole
+    one_line = f"{indent}{head}({', '.join(items) or 'void'})"
+    if len(one_line) < WIDTH:
+        return one_line
     inner = indent + "    "
     return f"{indent}{head}(\n{filled_lines(items, inner)})"
 
@@ -62,17 +62,17 @@ def python_lines(
     Parameters
     ----------
     indent : str
-        Of the first line and the last.
+        Indent of the first line and the last.
     head, tail : str
-        What ends in, and begins with, a bracket.
+        Text that ends in, and text that begins with, a bracket.
     items : sequence of str
-        Between the brackets.
+        Items between the brackets.
     is_call : bool
         Whether the items may share one line of their own, as arguments and parameters do.
     """
-    whole = f"{indent}{head}{', '.join(items)}{tail}"
-    if len(whole) <= WIDTH:
-        return whole
+    one_line = f"{indent}{head}{', '.join(items)}{tail}"
+    if len(one_line) <= WIDTH:
+        return one_line
     inner = indent + "    "
     line = f"{inner}{', '.join(items)}"
     rows = [line] if is_call and len(line) <= WIDTH else [f"{inner}{item}," for item in items]

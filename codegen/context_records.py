@@ -14,24 +14,24 @@ LARGEST_LANE_WIDTH = 8
 
 @dataclass(frozen=True, slots=True)
 class ArgumentContext:
-    """An input or an output.
+    """Input or output of a kernel.
 
     Parameters
     ----------
     name : str
-        As the caller knows it.
+        Name for the caller.
     symbol : str
-        As the text calls it.
+        Name in the text.
     index, size : int
-        Place among the inputs or outputs; count of numbers in one evaluation.
+        Index among the inputs or outputs; count of numbers in one evaluation.
     shape : str
         The shape as Python writes it.
     batched : str
         Shape with leading axes, and unit.
     meaning : str
-        Of what, in which frame.
+        Meaning, and frame.
     rows : tuple of str
-        Of the argument table: symbol, shape, unit, meaning.
+        Rows of the argument table: symbol, shape, unit, meaning.
     """
 
     name: str
@@ -60,24 +60,24 @@ class ArgumentContext:
 
     @property
     def block(self) -> str:
-        """Where an output goes in the lanes layout."""
+        """Address of an output in the lanes layout."""
         return f"out[{self.index}] ? (vec *)out[{self.index}] + block * {self.size} : NULL"
 
 
 @dataclass(frozen=True, slots=True)
 class BodyText:
-    """The straight-line code of one choice of outputs, in one language.
+    """Straight-line code of one choice of outputs, in one language.
 
     Parameters
     ----------
     inputs : tuple of ArgumentContext
-        What it reads.
+        Inputs that it reads.
     components : tuple of str
         For each input the names of its elements, where the target unpacks them.
     head : tuple of Assignment
         The terms that all choices of rows have in common; none where there is no choice.
     tails : tuple of TailText
-        The rest, for each choice.
+        The other terms, for each choice.
     """
 
     inputs: tuple[ArgumentContext, ...]
@@ -97,7 +97,7 @@ class TailText:
     statements : tuple of Assignment
         The shared terms.
     results : tuple of OutputText
-        What is written, output by output.
+        Elements that are written, output by output.
     """
 
     first: tuple[tuple[str, str], ...]
@@ -107,7 +107,7 @@ class TailText:
 
 @dataclass(frozen=True, slots=True)
 class BodyContext:
-    """One choice of outputs: all of them, or one that alone costs at most half.
+    """Choice of outputs: all of them, or one that alone costs at most half.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ class BodyContext:
     function : str
         Name of the function in NumPy.
     outputs : tuple of ArgumentContext
-        What it writes.
+        Outputs that it writes.
     c, numpy : BodyText
         The code, line by line the same.
     """
@@ -136,7 +136,7 @@ class BodyContext:
 
 @dataclass(frozen=True, slots=True)
 class CallsContext:
-    """All inputs and outputs of a kernel, as calls of C pass them.
+    """Inputs and outputs of a kernel, as calls of C pass them.
 
     Parameters
     ----------
@@ -158,18 +158,18 @@ class CallsContext:
 
 @dataclass(frozen=True, slots=True)
 class KernelContext:
-    """One kernel.
+    """Kernel, and its family of kernels that differ in the choice of rows.
 
     Parameters
     ----------
     name, family : str
-        As in the kernel, without and with what tells its choice of rows left out.
+        Name of the kernel, and the same without the ending of its choice of rows.
     choice : tuple of str
         Its number among the choices, as an argument; none where there is no choice.
     is_first : bool
-        Whether it is the first of its family, with which the text of all stands.
+        Whether it is the first of its family, whose text serves all.
     names : str
-        Of the kernels of the family.
+        Names of the kernels of the family.
     heading : tuple of str
         Package, kernel and title, in lines that fit.
     summary : str
@@ -177,21 +177,21 @@ class KernelContext:
     about, about_ascii : tuple of str
         Lines of the formula and its source.
     cost, family_cost : tuple of str
-        Count of operations, and what it would be without sharing; of each of the family.
+        Count of operations, and the count without sharing; those of each of the family.
     inputs, outputs : tuple of ArgumentContext
         In the order of the arguments.
     declared, parameters, arguments : tuple of str
-        Them as C declares them, in the header and where it is defined, and passes them.
+        Arguments as C declares them, in the header and in the definition, and passes them.
     calls : CallsContext
-        Arguments that differ only in where they come from.
+        Arguments of calls, which differ only in their sources.
     flags : tuple of str
-        What tells which outputs are wanted.
+        Flags of the outputs that are wanted.
     unwanted : str
-        Declarations of what outputs are computed into where they are not wanted.
+        Declarations of arrays that outputs are computed into where they are not wanted.
     alone_calls : tuple of tuple of str
         For each output the arguments that compute it alone.
     bodies : tuple of BodyContext
-        That for all outputs first, then, in NumPy, those of single outputs.
+        The body for all outputs first, then, in NumPy, those of single outputs.
     is_polynomial : bool
         Whether Python's floats give what arrays give.
     """

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from kousoku.symbolic.derivation import Derivation
 
-#: The sources that decide what is derived, relative to the folder of the package kousoku.
+#: Sources that a derivation depends on, relative to the folder of the package kousoku.
 SOURCES = (
     "symbolic/*.py",
     "codegen/matrix_chain.py",
@@ -54,7 +54,7 @@ SOURCES = (
     "model/files/quantity.py",
     "model/mechanics/parallel_rows.py",
 )
-#: File beside the committed kinds that says of which sources they were derived.
+#: File beside the committed kinds with the digest of the sources that they were derived from.
 RECORD_FILE = "derived.json"
 #: Versions of SymPy that derive the same bytes: tests/release/test_reproducibility.py runs them.
 SAME_BYTES = ("1.13.", "1.14.")
@@ -63,7 +63,7 @@ _LOG = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class Derived:
-    """The result of deriving a kind: a package, and the references that it is checked against.
+    """Result of deriving a kind: a package, and the references that it is checked against.
 
     Parameters
     ----------
@@ -148,7 +148,7 @@ def frozen_package(derivation: Derivation, regenerate: str) -> Package:
 
 
 def recall_or_derive(name: str) -> Derived:
-    """Result of :func:`derive_package`, from the cache where it is there.
+    """Result of :func:`derive_package`, from the cache where that has it.
 
     A cache that is broken, full or read-only costs time and a message, nothing else.
     """
@@ -158,14 +158,14 @@ def recall_or_derive(name: str) -> Derived:
     except OSError as problem:
         _LOG.warning("nothing derived is kept: %s", problem)
         return derive_package(name)
-    found = _recall(path, name)
-    if found is None:
-        found = derive_package(name)
+    derived = _recall(path, name)
+    if derived is None:
+        derived = derive_package(name)
         if _hash_sources() == key:
-            _keep(path, found)
+            _keep(path, derived)
         else:
             _LOG.warning("%s is not kept: its sources were edited while this process ran", name)
-    return found
+    return derived
 
 
 def record_of(trees: Mapping[str, Mapping[str, str]]) -> str:
@@ -174,7 +174,7 @@ def record_of(trees: Mapping[str, Mapping[str, str]]) -> str:
     Parameters
     ----------
     trees : mapping of str to mapping of str to str
-        Of each kind that is shipped, its files.
+        Files of each kind that is shipped.
     """
     kinds = {n: _digest(tree[GRAPH_FILE], tree[REFERENCE_FILE]) for n, tree in trees.items()}
     return to_text({"format": 1, "sources": source_key(), "kinds": kinds})
@@ -184,12 +184,12 @@ def recall_committed(folder: Path, name: str) -> Derived | None:
     """Committed derivation of a kind, where deriving it again would give the same.
 
     That is so where version and sources are those of ``derived.json``, graph and references in the
-    folder of the kind are those that it tells, and this SymPy is known to derive the same bytes.
+    folder of the kind have the digest there, and this SymPy is known to derive the same bytes.
 
     Parameters
     ----------
     folder : Path
-        Where the kinds are, each in a folder of its name.
+        Folder of the kinds, each in a folder of its name.
     name : str
         A kind.
     """
@@ -211,17 +211,17 @@ def recall_committed(folder: Path, name: str) -> Derived | None:
 
 @cache
 def content_key() -> str:
-    """SHA-256 over all that decides a derivation: sources and versions.
+    """SHA-256 over all inputs of a derivation: sources and versions.
 
-    It is that of the first call, before what derives is imported: a process that outlives an edit
-    of the sources still runs the old ones.
+    It is computed at the first call, before the modules that derive are imported: a process that
+    outlives an edit of the sources still runs the old ones.
     """
     return _hash_sources()
 
 
 @cache
 def source_key() -> str:
-    """SHA-256 over the sources that deriving runs, whatever runs them."""
+    """SHA-256 over the sources of derivations, without versions of libraries."""
     return _hash_sources(())
 
 

@@ -1,4 +1,4 @@
-"""Emission: a package of kernels becomes a folder of text, the same bytes on every machine."""
+"""Emission of a package of kernels as a folder of text, the same bytes on every machine."""
 
 from __future__ import annotations
 
@@ -37,9 +37,9 @@ FILES = {
 #: Files of the runtime that need nothing else of it: a copy goes along, so that a folder that alone
 #: is copied out works on NumPy, and its batches compile.
 LIBRARIES = ("batch_numpy.py", "lanes.h")
-#: What messages are made of: a copy goes along with solvers of scenes.
+#: Module that composes messages: a copy goes along with solvers of scenes.
 MESSAGES = "messages.py"
-#: Such files of ``model``, and where their copies go.
+#: Paths of copies of files of ``model``, and names of these.
 OF_MODEL = {"integrate/angles.py": "angles.py"}
 _TEMPLATES = PackageLoader("kousoku.codegen")
 _ROOT = Path(__file__).parents[1]
@@ -49,7 +49,7 @@ _RUNTIME = _ROOT / "runtime"
 @cache
 def environment() -> Environment:
     """Environment in which templates are read and filled; each is parsed once a process."""
-    filled = Environment(
+    templates = Environment(
         loader=_TEMPLATES,
         undefined=StrictUndefined,
         trim_blocks=True,
@@ -57,8 +57,8 @@ def environment() -> Environment:
         keep_trailing_newline=True,
         autoescape=False,
     )
-    filled.globals.update(c_call=c_call, python_lines=python_lines, abi=ABI)
-    return filled
+    templates.globals.update(c_call=c_call, python_lines=python_lines, abi=ABI)
+    return templates
 
 
 def runtime_sources(*names: str) -> dict[str, str]:
@@ -68,24 +68,24 @@ def runtime_sources(*names: str) -> dict[str, str]:
     ----------
     *names : str
         Files, such as ``batch_numpy.py``, and folders, such as ``integrate``: their C headers and
-        Python modules, and what they take of ``model``.
+        Python modules, and files of ``model`` that they use.
 
     Returns
     -------
     dict of str to str
         Path in the generated folder and text, in order.
     """
-    found = {}
+    texts = {}
     for name in names:
-        place = _RUNTIME / name
-        for path in sorted(place.iterdir()) if place.is_dir() else [place]:
+        source = _RUNTIME / name
+        for path in sorted(source.iterdir()) if source.is_dir() else [source]:
             if path.suffix in {".h", ".py"}:
                 text = path.read_text(encoding="utf-8")
-                found[path.relative_to(_RUNTIME).as_posix()] = text
-        for copy, own in OF_MODEL.items():
+                texts[path.relative_to(_RUNTIME).as_posix()] = text
+        for copy, original in OF_MODEL.items():
             if copy.startswith(f"{name}/"):
-                found[copy] = (_ROOT / "model" / own).read_text(encoding="utf-8")
-    return found
+                texts[copy] = (_ROOT / "model" / original).read_text(encoding="utf-8")
+    return texts
 
 
 def runtime_source(name: str) -> tuple[str, str]:
@@ -103,7 +103,7 @@ def emit(package: Package, data: Mapping[str, str]) -> dict[str, str]:
     package : Package
         The kernels.
     data : mapping of str to str
-        File name and text of what belongs in the folder beside the code.
+        File name and text of the files of the folder beside the code.
 
     Returns
     -------
@@ -126,7 +126,7 @@ def emit(package: Package, data: Mapping[str, str]) -> dict[str, str]:
 
 
 def inputs_of(package: Package) -> Inputs:
-    """SHA-256 of all that a package is made of: graphs, templates, plain source."""
+    """SHA-256 of all inputs of a package: graphs, templates, plain source."""
     return hashed(
         derivation=repr((astuple(package), None)),
         templates=templates_in("_macros", "c/", "numpy/"),
@@ -135,7 +135,7 @@ def inputs_of(package: Package) -> Inputs:
 
 
 def hashed(**parts: str) -> Inputs:
-    """Digests of the parts that a package is made of: the beginning of each SHA-256."""
+    """Digests of the inputs of a package: the beginning of each SHA-256."""
     return tuple((name, sha256(text)[:16]) for name, text in parts.items())
 
 
@@ -154,14 +154,14 @@ def promise(package: Package, inputs: Inputs) -> Manifest:
     package : Package
         The kernels.
     inputs : tuple of (str, str)
-        What the text is made of: :func:`hashed`.
+        Digests of the inputs of the text: :func:`hashed`.
 
     Returns
     -------
     Manifest
         Without files. Its digest goes into the sources, so that they cannot say anything else.
     """
-    said = Manifest(
+    manifest = Manifest(
         package=package.name,
         title=package.title,
         regenerate=package.regenerate,
@@ -171,7 +171,7 @@ def promise(package: Package, inputs: Inputs) -> Manifest:
         files=(),
         kernels=tuple(_kernel_manifest(package, kernel) for kernel in package.kernels),
     )
-    return replace(said, digest=said.stated())
+    return replace(manifest, digest=manifest.stated())
 
 
 def with_manifest(files: Mapping[str, str], promised: Manifest) -> dict[str, str]:
@@ -192,7 +192,7 @@ def _kernel_manifest(package: Package, kernel: Kernel) -> KernelManifest:
         is_exact=kernel.is_exact,
         operations=tuple(sorted((op.value, count) for op, count in kernel.operations.items())),
         known=tuple(
-            known for one in known_errors(package, kernel.name) for known in one.units.items()
+            known for error in known_errors(package, kernel.name) for known in error.units.items()
         ),
     )
 

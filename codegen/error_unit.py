@@ -1,4 +1,4 @@
-"""References as they are stored: high and low double, and the unit that an error is told in."""
+"""References as they are stored: high and low double, and the unit of their error."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ if TYPE_CHECKING:
 
 #: u, the rounding of a double.
 UNIT_ROUNDOFF = CONTEXT.mpf(2) ** -53
-#: A derivative below this, at numbers of order one, is a zero that 50 digits left over.
+#: A derivative below this, at numbers of order one, is zero up to rounding of 50 digits.
 NEGLIGIBLE = CONTEXT.mpf(10) ** -40
 
 
 def columns(
-    elements: Sequence[Dual], numbers: Mapping[Any, Any], bad: Collection[Any]
+    elements: Sequence[Dual], numbers: Mapping[Any, Any], nonfinite: Collection[Any]
 ) -> dict[str, object]:
     """``high``, ``low`` and ``unit`` of the elements of an output, as lists.
 
@@ -29,19 +29,21 @@ def columns(
         The elements that are not identically zero.
     numbers : mapping
         The value of each input that a gradient names.
-    bad : collection
-        The inputs that are not finite: what depends on one has ``high`` None.
+    nonfinite : collection
+        The inputs that are not finite: elements that depend on one have ``high`` None.
     """
-    rows = [_row(element, numbers, bad) for element in elements]
+    rows = [_row(element, numbers, nonfinite) for element in elements]
     return {name: [row[k] for row in rows] for k, name in enumerate(("high", "low", "unit"))}
 
 
 def _row(
-    element: Dual, numbers: Mapping[Any, Any], bad: Collection[Any]
+    element: Dual, numbers: Mapping[Any, Any], nonfinite: Collection[Any]
 ) -> tuple[float | None, float, float]:
     """High, low and unit u (|f| + Σ |x ∂f/∂x|) of one number."""
-    is_bad = any(abs(element.gradient.get(place, 0)) > NEGLIGIBLE for place in bad)
-    if is_bad or CONTEXT.isnan(element.value):
+    depends_on_nonfinite = any(
+        abs(element.gradient.get(entry, 0)) > NEGLIGIBLE for entry in nonfinite
+    )
+    if depends_on_nonfinite or CONTEXT.isnan(element.value):
         return None, 0.0, SMALLEST_SUBNORMAL
     high = float(element.value)
     low = float(element.value - high)

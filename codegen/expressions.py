@@ -1,4 +1,4 @@
-"""From the formulas of a scene to nodes of the graph."""
+"""Nodes of the graph for the formulas of a scene."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def to_graph(expression: Expression, graph: Graph, leaves: Mapping[str, int]) ->
     expression : Expression
         The formula.
     graph : Graph
-        Where its operations go.
+        Graph that its operations are added to.
     leaves : mapping of str to int
         The node of each name that it depends on.
 
@@ -67,10 +67,10 @@ def _apply(graph: Graph, op: Op, args: Sequence[int]) -> int:
         case Op.MUL | Op.DIV | Op.ATAN2 | Op.MAX:
             return int(getattr(graph, op.value)(*args))
         case _:
-            return _of_one(graph, op, args[0])
+            return _unary(graph, op, args[0])
 
 
-def _of_one(graph: Graph, op: Op, x: int) -> int:
+def _unary(graph: Graph, op: Op, x: int) -> int:
     one = graph.const(1)
     match op:
         case Op.TAN:

@@ -1,4 +1,4 @@
-"""Freeze: from the matrix level of a derivation to the scalar graph; SymPy is left behind here.
+"""Scalar graph of the matrix level of a derivation; SymPy is left behind here.
 
 Every node of ``symbolic.matrices`` is lowered to a matrix of graph nodes by one walk with a memo.
 A product is associated in the cheapest order, zeros known; partial products that several products
@@ -71,7 +71,7 @@ def freeze(function: Function) -> Kernel:
     lowering = _Lowering(function)
     results = tuple(lowering.output(output) for output in function.outputs)
     names = dict(reversed(lowering.names))  # the first name of a node wins
-    whole = Kernel(
+    kernel = Kernel(
         name=function.name,
         title=function.title,
         formula=function.formula,
@@ -82,11 +82,11 @@ def freeze(function: Function) -> Kernel:
         results=results,
         names=tuple(sorted(names.items())),
     )
-    return drop_dead(whole)
+    return drop_dead(kernel)
 
 
 class _Lowering:
-    """One walk over the outputs of a function."""
+    """Walk over the outputs of a function."""
 
     def __init__(self, function: Function) -> None:
         self.graph = Graph()
@@ -99,11 +99,11 @@ class _Lowering:
         for quantity in function.inputs:
             for k in range(quantity.size):
                 self.graph.input(quantity.name, k)
-        turned = {
+        orientations = {
             a for output in function.outputs for a in output.expression.atoms(OrientationMatrix)
         }
         for quantity in function.inputs:  # orientations first, in the order of the inputs
-            if quantity.shape == (4,) and OrientationMatrix(symbol(quantity)) in turned:
+            if quantity.shape == (4,) and OrientationMatrix(symbol(quantity)) in orientations:
                 self.matrix(OrientationMatrix(symbol(quantity)))
         products: dict[tuple[Any, ...], None] = {}
         for output in function.outputs:
@@ -192,7 +192,7 @@ class _Lowering:
         return cells
 
     def _orientation(self, x: Any) -> Cells:
-        """Lower A(p) with ten products, doubling on the way and sharing the sums of squares."""
+        """Elements of A(p) by ten products, with doubled e and shared sums of squares."""
         graph = self.graph
         e0, e1, e2, e3 = (cell for (cell,) in self.matrix(x.p))
         two = graph.const(2)
@@ -237,8 +237,8 @@ class _Lowering:
         graph = self.graph
         numerator, denominator = sympy.fraction(scalar)
         if len(cells) == len(cells[0]) == 1 and not denominator.is_Number:
-            over = graph.mul(self.scalar(numerator), cells[0][0])
-            return ((graph.div(over, self.scalar(denominator)),),)
+            product = graph.mul(self.scalar(numerator), cells[0][0])
+            return ((graph.div(product, self.scalar(denominator)),),)
         if numerator == 1 and not denominator.is_Number:
             factor = self.scalar(denominator)
             return tuple(tuple(graph.div(cell, factor) for cell in row) for row in cells)
@@ -246,7 +246,7 @@ class _Lowering:
         return tuple(tuple(graph.mul(factor, cell) for cell in row) for row in cells)
 
     def _chain(self, factors: tuple[Any, ...]) -> Cells:
-        """Lower a product of two or more factors, in the cheapest association."""
+        """Elements of a product of two or more factors, in the cheapest association."""
         if len(factors) == 1:
             scalar, inner = coefficient_and_factors(factors[0])
             return self._scale(scalar, self.matrix(inner[0]))
@@ -361,7 +361,7 @@ class _Lowering:
 
 
 def split(x: Any) -> tuple[Any, tuple[Any, ...]]:
-    """Split a product into a scalar and factors; a symbolic scalar goes to the cheapest factor.
+    """Scalar and factors of a product; a symbolic scalar goes to the cheapest factor.
 
     So d/l is divided once where several blocks hold it; a number stays for the result.
     """

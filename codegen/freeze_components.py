@@ -1,8 +1,8 @@
-"""Freeze the component level of a derivation: the formulas that references are computed from.
+"""Frozen component level of a derivation: the formulas that references are computed from.
 
-The nodes are those of a kernel, so that whatever evaluates one evaluates the other. They are put
-down as SymPy has them, one for each operation: the lowering of the matrix level, the builder that
-folds constants, and the passes, all of which references check, have no part in this.
+The nodes are those of a kernel, so that one evaluator serves both. They are recorded as SymPy has
+them, one for each operation: the lowering of the matrix level, the builder that folds constants,
+and the passes, all of which references check, have no part in this.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def freeze_components(function: Function) -> Kernel:
 
 
 class _Freezing:
-    """A walk over the components of a function, depth first."""
+    """Walk over the components of a function, depth first."""
 
     def __init__(self, function: Function) -> None:
         self.where = function.name
@@ -101,14 +101,14 @@ class _Freezing:
         return self._add(OperationNode(op, tuple(map(self.node_of, expression.args))))
 
     def _folded(self, op: Op, nodes: Iterable[int]) -> int:
-        """Node of a sum or product of many, from left to right."""
+        """Node of a sum or product of several nodes, from left to right."""
         first, *others = nodes
         for other in others:
             first = self._add(OperationNode(op, (first, other)))
         return first
 
     def _power(self, base: Any, halves: int) -> int:
-        """Node of the base to so many halves."""
+        """Node of the base to the power ``halves``/2."""
         if halves < 0:
             one = self.node_of(sympy.S.One)
             return self._add(

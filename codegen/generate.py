@@ -1,7 +1,7 @@
-"""From a kind, or a derivation of one's own, to the folder of its kernels, stage after stage.
+"""Stages from a kind, or a derivation of one's own, to the folder of its kernels.
 
 ``derive``: name → Derivation
-    SymPy derives it, where neither the committed folder nor the cache has what was derived.
+    SymPy derives it, where neither the committed folder nor the cache has the derivation.
 ``require_proved``: Derivation
     One of one's own is proved; tests prove the kinds that are shipped.
 ``frozen_package``: Derivation → Package
@@ -11,7 +11,7 @@
 ``emit``: Package, texts → {file: text}
     The folder.
 ``write_tree``: {file: text} → names of files that changed
-    Written; ``check_tree`` says instead where a folder differs.
+    Written; ``check_tree`` reports instead where a folder differs.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 
 #: A digest in a line: hexadecimal digits, and no decimal number.
 DIGEST = re.compile(r"\b(?=[0-9e]*[a-df])[0-9a-f]{16,}\b")
-#: How much of a line that differs is shown.
+#: Characters of a line that differs that are shown.
 EXCERPT_LENGTH = 60
 
 
@@ -94,22 +94,22 @@ def generate_kind(name: str, committed: Path | None = None) -> SourceTree:
         No kind has this package.
     """
     package = package_of(name)
-    if committed is not None and (known := recall_committed(committed, package)):
-        return _emitted(known)
-    found = [recall_or_derive(choice) for choice in KINDS[package].packages]
-    return _emitted(found[0] if len(found) == 1 else _together(package, found))
+    if committed is not None and (recalled := recall_committed(committed, package)):
+        return _emitted(recalled)
+    derived = [recall_or_derive(choice) for choice in KINDS[package].packages]
+    return _emitted(derived[0] if len(derived) == 1 else _merged(package, derived))
 
 
-def _together(name: str, found: Sequence[Derived]) -> Derived:
+def _merged(name: str, derived: Sequence[Derived]) -> Derived:
     """Choices of the rows of a kind as one package, ``rates_x`` of ``rates``."""
-    choices = tuple(one.package.name.removeprefix(f"{name}_") for one in found)
+    choices = tuple(part.package.name.removeprefix(f"{name}_") for part in derived)
     kernels: list[Kernel] = []
     points: list[dict[str, object]] = []
-    for choice, one in zip(choices, found, strict=True):
-        kernels += [replace(k, name=f"{k.name}_{choice}") for k in one.package.kernels]
-        data = json.loads(one.references)
+    for choice, part in zip(choices, derived, strict=True):
+        kernels += [replace(k, name=f"{k.name}_{choice}") for k in part.package.kernels]
+        data = json.loads(part.references)
         points += [kernel | {"name": f"{kernel['name']}_{choice}"} for kernel in data["kernels"]]
-    first = found[0].package
+    first = derived[0].package
     package = Package(name, first.title, f"kousoku generate {name}", tuple(kernels), choices)
     return Derived(package, to_text(data | {"package": name, "kernels": points}))
 
@@ -122,10 +122,10 @@ def generate(derivation: Derivation, *, regenerate: str = "") -> SourceTree:
     Parameters
     ----------
     derivation : Derivation
-        What ``kousoku.symbolic.constraint.derive_constraint`` gives, or functions that were put
+        Result of ``kousoku.symbolic.constraint.derive_constraint``, or functions that were put
         together by hand.
     regenerate : str
-        The command that makes the folder again, as the head of its files and messages say it.
+        The command that makes the folder again, for the head of its files and for messages.
 
     Returns
     -------
@@ -177,21 +177,21 @@ def without(tree: SourceTree, *endings: str) -> SourceTree:
 
 
 def beside_runtime(tree: SourceTree) -> SourceTree:
-    """Package of a kind that is shipped with the runtime: it has no copies of its files.
+    """Package of a kind that is shipped with the runtime, without copies of the runtime's files.
 
-    Its NumPy imports them from there; the runtime gives C those that it includes.
+    Its NumPy module imports them from the runtime, which also supplies those that its C includes.
     """
-    taken = {
+    texts = {
         name: text.replace("from .batch_numpy import", "from kousoku.runtime.batch_numpy import")
         for name, text in tree.items()
     }
-    return without(taken, *LIBRARIES)
+    return without(texts, *LIBRARIES)
 
 
 def write_tree(folder: Path, tree: Mapping[str, str]) -> list[str]:
     """Write a folder, each file whole or not at all, and remove files that an older version left.
 
-    What ends in ``.gz`` is compressed, and is written where what it holds changes.
+    Files that end in ``.gz`` are compressed, and are written where their content changes.
     Only files that the folder's own manifest lists are removed. The manifest is written last, so
     that a folder that was written half is recognised by its digests.
 
@@ -218,20 +218,20 @@ def write_tree(folder: Path, tree: Mapping[str, str]) -> list[str]:
 def check_tree(folder: Path, tree: Mapping[str, str]) -> list[str]:
     """Differences of a folder from the files that it should have, a line for each; empty if none.
 
-    Each line says where the file differs, and what it is made of that changed: it was edited by
-    hand, or the plain source that it copies, or inputs of the package that manifests know by their
-    digests. What is not its own does not count: :func:`foreign_files`.
+    Each line says where the file differs, and why: it was edited by hand, or the plain source that
+    it copies changed, or inputs of the package did, which manifests know by their digests. Files
+    of others do not count: :func:`foreign_files`.
     """
     differences = []
     cause = causes(folder, tree)
     for name, text in tree.items():
-        found = _read(folder / name)
-        if found is None:
+        current = _read(folder / name)
+        if current is None:
             is_there = (folder / name).exists()
             differences.append(f"{folder / name} {'is damaged' if is_there else 'is missing'}")
-        elif found != text:
+        elif current != text:
             differences.append(
-                f"{folder / name} differs {_where(found, text)}; {cause(name, found)}"
+                f"{folder / name} differs {_where(current, text)}; {cause(name, current)}"
             )
     stale = [folder / name for name in _stale_files(folder, tree)]
     return differences + [f"{path} is not generated any more" for path in stale if path.is_file()]
@@ -240,20 +240,23 @@ def check_tree(folder: Path, tree: Mapping[str, str]) -> list[str]:
 def foreign_files(folder: Path, tree: Mapping[str, str]) -> list[Path]:
     """Files and folders in a folder that the generator did not write, and would never remove.
 
-    Those that Python or an operating system puts there (hidden ones, ``__pycache__``) do not count.
+    Those of Python or an operating system (hidden ones, ``__pycache__``) do not count.
     """
-    own = {*tree, *_listed_files(folder)}
-    beside = {name.partition("/")[0] for name in own if "/" in name}
-    found = [*folder.glob("*"), *(path for part in beside for path in (folder / part).glob("*"))]
-    own |= {*beside, *(f"{part}/__pycache__" for part in beside), "__pycache__"}
+    known = {*tree, *_listed_files(folder)}
+    subfolders = {name.partition("/")[0] for name in known if "/" in name}
+    paths = [
+        *folder.glob("*"),
+        *(path for name in subfolders for path in (folder / name).glob("*")),
+    ]
+    known |= {*subfolders, *(f"{name}/__pycache__" for name in subfolders), "__pycache__"}
     return [
         path
-        for path in sorted(found)
-        if path.relative_to(folder).as_posix() not in own and not path.name.startswith(".")
+        for path in sorted(paths)
+        if path.relative_to(folder).as_posix() not in known and not path.name.startswith(".")
     ]
 
 
-#: What is said of an input of a package that changed.
+#: Texts for messages of inputs of a package that changed.
 INPUTS = {
     "derivation": "the derivation (symbolic/)",
     "scene": "the scene",
@@ -277,16 +280,16 @@ def causes(folder: Path, tree: Mapping[str, str]) -> Callable[[str, str], str]:
     if "scene" in differs:  # how it is composed follows from it
         differs = [name for name in differs if name != "composition"]
     changed += [INPUTS[name] for name in differs]
-    made = "changed: " + ", ".join(changed) if changed else "changed: what emits it (codegen/)"
+    reason = "changed: " + ", ".join(changed) if changed else "changed: what emits it (codegen/)"
     digests = dict(old.get("files", ()))
 
-    def cause(name: str, found: str) -> str:
-        if name != MANIFEST_FILE and sha256(found) != digests.get(name):
+    def cause(name: str, current: str) -> str:
+        if name != MANIFEST_FILE and sha256(current) != digests.get(name):
             return "it was edited after it was generated"
         origin, text = runtime_source(name)
         if tree[name] == text:
             return f"changed: {origin}"
-        return made
+        return reason
 
     return cause
 
@@ -320,16 +323,18 @@ def _listed(folder: Path) -> dict[str, Any]:
     return data | pairs
 
 
-def _where(found: str, wanted: str) -> str:
-    """Say in which line two texts differ first, and the text there, of long lines a part."""
-    lines = zip(found.splitlines(), wanted.splitlines(), strict=False)
-    differ = [(number, *pair) for number, pair in enumerate(lines, 1) if pair[0] != pair[1]]
-    if not differ:
+def _where(current: str, wanted: str) -> str:
+    """First line in which two texts differ, as text with an excerpt of both."""
+    lines = zip(current.splitlines(), wanted.splitlines(), strict=False)
+    differences = [(number, *pair) for number, pair in enumerate(lines, 1) if pair[0] != pair[1]]
+    if not differences:
         return "in its length or its line ends"
-    # A digest tells that something changed, and not what.
-    number, old, new = next((one for one in differ if not DIGEST.search(one[1])), differ[0])
+    # A digest shows that something changed, and not what.
+    number, old, new = next(
+        (line for line in differences if not DIGEST.search(line[1])), differences[0]
+    )
     pairs = enumerate(zip_longest(old, new))
-    alike = next(place for place, (one, other) in pairs if one != other)
-    first = max(0, alike - EXCERPT_LENGTH // 2) if alike >= EXCERPT_LENGTH else 0
+    common = next(index for index, (a, b) in pairs if a != b)
+    first = max(0, common - EXCERPT_LENGTH // 2) if common >= EXCERPT_LENGTH else 0
     parts = (("… " if first else "") + text[first : first + EXCERPT_LENGTH] for text in (old, new))
     return "from line {} on: {!r} instead of {!r}".format(number, *parts)

@@ -77,8 +77,8 @@ def parse(text: str) -> Package:
 def shipped_kinds() -> tuple[str, ...]:
     """Kinds that are shipped, each choice of rows by itself, in order."""
     folder = resources.files("kousoku.generated.kinds")
-    there = {x.name for x in folder.iterdir() if (x / GRAPH_FILE).is_file()}
-    chosen = ((name, KINDS[name].packages if name in KINDS else (name,)) for name in there)
+    names = {x.name for x in folder.iterdir() if (x / GRAPH_FILE).is_file()}
+    chosen = ((name, KINDS[name].packages if name in KINDS else (name,)) for name in names)
     return tuple(sorted(package for _, packages in chosen for package in packages))
 
 
@@ -96,7 +96,7 @@ def chosen(package: Package, choice: str) -> Package:
 def keep_own(package: Package) -> str:
     """Keep a package of one's own, and return the name that :func:`load_frozen` finds it by.
 
-    The name holds a digest of the kernels: what is derived anew with a change has another one.
+    The name holds a digest of the kernels: a changed derivation has another one.
     Other processes of this user find the package in the cache, where that can be written.
     """
     text = dump(replace(package, regenerate=""))
@@ -114,17 +114,17 @@ def _kept_at(name: str) -> Path:
 
 
 def _load_own(name: str) -> Package:
-    """Package of one's own.
+    """Package of one's own, from this process or the cache.
 
     Raises
     ------
     LoadError
-        Neither this process nor the cache knows it.
+        Neither of them has it.
     """
     if name not in _OWN:
         with suppress(OSError, ValueError, LoadError):  # then it is not there
-            found = parse(_kept_at(name).read_text(encoding="utf-8"))
-            if keep_own(found) != name:
+            package = parse(_kept_at(name).read_text(encoding="utf-8"))
+            if keep_own(package) != name:
                 raise LoadError(f"{name} is damaged")
     if name not in _OWN:
         kind = kind_name(name)
@@ -139,7 +139,7 @@ def _load_own(name: str) -> Package:
 def load_frozen(name: str) -> Package:
     """Frozen kernels of a kind that is shipped, such as ``n1``, ``p2_z``, or ``p2``.
 
-    Of a kind of one's own it is the name that :func:`keep_own` gave it.
+    A kind of one's own has the name that :func:`keep_own` returned.
 
     Raises
     ------
@@ -238,11 +238,11 @@ def _quantity_from_data(data: dict[str, Any]) -> Quantity:
 def _node_from_data(text: str, position: int) -> OperationNode[int]:
     if text.startswith("="):
         return OperationNode(Op.CONST, value=Fraction(text[1:]))
-    if found := _INPUT.fullmatch(text):
-        return OperationNode(Op.INPUT, symbol=(found[1], int(found[2])))
-    if found := _SIGNED.fullmatch(text):
-        op = next(op for op, sign in SIGNS.items() if sign == found[2])
-        args = [found[1], found[3]]
+    if match := _INPUT.fullmatch(text):
+        return OperationNode(Op.INPUT, symbol=(match[1], int(match[2])))
+    if match := _SIGNED.fullmatch(text):
+        op = next(op for op, sign in SIGNS.items() if sign == match[2])
+        args = [match[1], match[3]]
     elif text.startswith("-"):
         op, args = Op.NEG, [text[1:]]
     else:

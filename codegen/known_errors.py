@@ -22,14 +22,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class KnownError:
-    """Outputs that are beyond the limit at a point.
+    """Point at which errors of outputs are beyond the limit, and limits of their own.
 
     Parameters
     ----------
     units : mapping of str to float
-        How far each of them is off at most; of which kernel is said by the table.
+        Limit of the error of each output; the table names the kernel.
     inputs : mapping of str to tuple of float
-        Where.
+        Inputs at the point.
     """
 
     units: Mapping[str, float]
@@ -37,7 +37,7 @@ class KnownError:
 
 
 def known_errors(package: Package, kernel: str) -> tuple[KnownError, ...]:
-    """Errors of a kernel that are known: one of a choice of rows is of that choice."""
+    """Known errors of a kernel, of a choice of rows those of that choice."""
     for choice in package.choices:
         if kernel.endswith(f"_{choice}"):
             key = f"{package.name}_{choice}", kernel.removesuffix(f"_{choice}")
@@ -52,10 +52,10 @@ def units_off(
     columns: Mapping[str, Sequence[float]],
 ) -> float:
     """Error in units of the worst element of an output, as doubles give it."""
-    place = [quantity.name for quantity in kernel.outputs].index(output)
+    index = [quantity.name for quantity in kernel.outputs].index(output)
     doubles = {name: [np.float64(x) for x in xs] for name, xs in inputs.items()}
-    got = evaluate(kernel, doubles, ARRAY)[output]
-    values = np.array([float(got[element]) for element in kernel.nonzero(place)])
+    results = evaluate(kernel, doubles, ARRAY)[output]
+    values = np.array([float(results[element]) for element in kernel.nonzero(index)])
     high, low, unit = (np.array(columns[name]) for name in ("high", "low", "unit"))
     return float(np.max(np.abs((values - high) - low) / unit))
 

@@ -13,11 +13,11 @@ if TYPE_CHECKING:
 
     from kousoku.model.operations.kernel import Kernel
 
-    #: An element of an input: the input's name and the element's place, row-major.
+    #: An element of an input: the input's name and the element's index, row-major.
     InputElement = tuple[str, int]
 
-#: Where Newton's iteration converges it doubles the digits, and 50 take six; what takes five times
-#: as many has no point near.
+#: Newton's iteration doubles the digits where it converges, and 50 take six; a start that takes
+#: five times as many has no point near.
 MOST_ITERATIONS = 30
 
 
@@ -35,7 +35,7 @@ def solve_constraint(
     output : str
         The name of the constraint among its outputs.
     start : mapping of str to sequence of float
-        Where to start, flat row-major.
+        Start, flat row-major.
 
     Returns
     -------
@@ -55,8 +55,8 @@ def solve_constraint(
             step = _least_step(values, rows)
         except ArithmeticError:  # a pole, no real root, or rows that depend on each other
             return None
-        for place, change in step.items():
-            numbers[place] += change
+        for element, change in step.items():
+            numbers[element] += change
     else:
         return None
     return {
@@ -76,7 +76,7 @@ def _equations(
     for quantity in filter(is_euler_parameters, kernel.inputs):
         p = {(quantity.name, k): numbers[quantity.name, k] for k in range(quantity.size)}
         values.append(sum(x**2 for x in p.values()) - 1)
-        rows.append({place: 2 * x for place, x in p.items()})
+        rows.append({element: 2 * x for element, x in p.items()})
     return values, rows
 
 
@@ -92,6 +92,6 @@ def _least_step(
     multipliers = CONTEXT.lu_solve(square, CONTEXT.matrix([-value for value in values]))
     step: dict[InputElement, Any] = {}
     for multiplier, row in zip(multipliers, rows, strict=True):
-        for place, derivative in row.items():
-            step[place] = step.get(place, 0) + multiplier * derivative
+        for element, derivative in row.items():
+            step[element] = step.get(element, 0) + multiplier * derivative
     return step

@@ -1,4 +1,4 @@
-"""In which order a product of matrices is multiplied out."""
+"""Order in which a product of matrices is multiplied out."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ def flip(factors: MatrixFactors) -> tuple[int, MatrixFactors]:
     """Transposed product as a sign and its factors: (X ṽ)ᵀ = −ṽ Xᵀ."""
     sign, flipped = 1, []
     for factor in reversed(factors):
-        turned = transpose(factor)
-        if mul(-1, turned) == factor:  # a skew matrix
-            sign, turned = -sign, factor
-        flipped.append(turned)
+        transposed = transpose(factor)
+        if mul(-1, transposed) == factor:  # a skew matrix
+            sign, transposed = -sign, factor
+        flipped.append(transposed)
     return sign, tuple(flipped)
 
 
 class Association:
-    """Chooses where to split products, knowing zeros and products that are there already."""
+    """Association of products: the cheapest splits, with known zeros and known products."""
 
     def __init__(self, graph: Graph) -> None:
         self._graph = graph
@@ -40,16 +40,16 @@ class Association:
         self._uses: dict[MatrixFactors, int] = {}
 
     def expect(self, products: Iterable[MatrixFactors]) -> None:
-        """Count in how many of the products that will come each partial product stands."""
+        """Count the coming products that each partial product is a part of."""
         for factors in products:
-            parts: dict[MatrixFactors, None] = {}
+            partial_products: dict[MatrixFactors, None] = {}
             for start in range(len(factors)):
                 for stop in range(start + 2, len(factors) + 1):
-                    parts[factors[start:stop]] = None
-            for part in parts:
-                self._uses[part] = self._uses.get(part, 0) + 1
-                flipped = flip(part)[1]
-                if flipped != part:
+                    partial_products[factors[start:stop]] = None
+            for partial in partial_products:
+                self._uses[partial] = self._uses.get(partial, 0) + 1
+                flipped = flip(partial)[1]
+                if flipped != partial:
                     self._uses[flipped] = self._uses.get(flipped, 0) + 1
 
     def known(self, factors: MatrixFactors) -> Cells | None:
@@ -71,30 +71,30 @@ class Association:
         self._known[factors] = cells
 
     def best(self, factors: MatrixFactors, operands: Sequence[Cells]) -> int:
-        """Place of the last multiplication in the cheapest order.
+        """Index of the last multiplication in the cheapest order.
 
-        A partial product costs its operations divided by the number of products that it stands in;
-        one that is known costs nothing.
+        A partial product costs its operations divided by the number of products that it is a part
+        of; a known one costs nothing.
         """
         n = len(factors)
         cost: dict[tuple[int, int], Fraction] = {}
         pattern: dict[tuple[int, int], ElementPattern] = {}
-        where: dict[tuple[int, int], int] = {}
+        splits: dict[tuple[int, int], int] = {}
         for k, cells in enumerate(operands):
             cost[k, k + 1], pattern[k, k + 1] = Fraction(0), self._pattern(cells)
         for length in range(2, n + 1):
             for start in range(n - length + 1):
                 stop = start + length
-                part = factors[start:stop]
+                partial = factors[start:stop]
                 choices = []
                 for middle in range(start + 1, stop):
                     operations, result = _multiply(pattern[start, middle], pattern[middle, stop])
                     total = cost[start, middle] + cost[middle, stop] + operations
                     choices.append((total, middle, result))
-                total, where[start, stop], pattern[start, stop] = min(choices)
-                shared = total / max(1, self._uses.get(part, 1))
-                cost[start, stop] = Fraction(0) if self.known(part) else shared
-        return where[0, n]
+                total, splits[start, stop], pattern[start, stop] = min(choices)
+                shared = total / max(1, self._uses.get(partial, 1))
+                cost[start, stop] = Fraction(0) if self.known(partial) else shared
+        return splits[0, n]
 
     def _pattern(self, cells: Cells) -> ElementPattern:
         def kind(cell: int) -> int:

@@ -1,4 +1,4 @@
-"""Points that are chosen to hurt: where emitted code would go wrong if it could.
+"""Adverse points: where emitted code would go wrong if it could.
 
 The numbers come from a stream of SHA-256 digests, so that they are the same on every machine and
 under every version of NumPy.
@@ -39,7 +39,7 @@ class EvaluationPoint:
     Parameters
     ----------
     label : str
-        Why the point is there.
+        Kind of the point.
     inputs : mapping of str to tuple of float
         For each input its elements, flat row-major.
     """
@@ -74,7 +74,7 @@ def ordinary(inputs: Sequence[Quantity], stream: Sha256Random) -> dict[str, tupl
 def scattered(
     numbers: Numbers, stream: Sha256Random, exponent: int
 ) -> dict[str, tuple[float, ...]]:
-    """``numbers`` with each one off by about 2^exponent of itself."""
+    """``numbers``, each with a relative change of about 2^exponent."""
     return {
         name: tuple(x * (1 + stream.sign() * math.ldexp(stream.magnitude(), exponent)) for x in xs)
         for name, xs in numbers.items()
@@ -87,11 +87,11 @@ def finite_points(components: Kernel, stream: Sha256Random, pick: int) -> list[E
     Parameters
     ----------
     components : Kernel
-        Formulas of the function; they say how far its inputs can be scaled.
+        Formulas of the function, which bound the scales of its inputs.
     stream : Sha256Random
-        Where the digits come from.
+        Source of the digits.
     pick : int
-        Which of the arrays or axes a sort picks, where it picks one.
+        Index of the array or axis, for sorts that pick one.
     """
     inputs = components.inputs
 
@@ -129,14 +129,14 @@ def finite_points(components: Kernel, stream: Sha256Random, pick: int) -> list[E
 def infinite_points(components: Kernel, stream: Sha256Random) -> list[EvaluationPoint]:
     """Points with one number that is not finite.
 
-    An infinity is left out where something finite can come of it, as with 1/∞.
+    An infinity is left out where results of it can be finite, as with 1/∞.
     """
     inputs = components.inputs
     has_limits = any(node.op in {Op.DIV, Op.ATAN2} for node in components.nodes)
-    bad_numbers = (math.nan,) if has_limits else (math.nan, math.inf, -math.inf)
+    nonfinite = (math.nan,) if has_limits else (math.nan, math.inf, -math.inf)
     points = []
-    for place, bad in enumerate(bad_numbers):
-        quantity = inputs[(stream.integer(16) + place) % len(inputs)]
+    for number, bad in enumerate(nonfinite):
+        quantity = inputs[(stream.integer(16) + number) % len(inputs)]
         index = stream.between(0, quantity.size - 1)
         numbers = ordinary(inputs, stream)
         values = list(numbers[quantity.name])
@@ -149,19 +149,19 @@ def infinite_points(components: Kernel, stream: Sha256Random) -> list[Evaluation
 def _scaled_arrays(
     components: Kernel, numbers: Numbers, stream: Sha256Random, pick: int
 ) -> dict[str, tuple[float, ...]]:
-    """Scale one array as far as doubles allow, all others with the rest."""
-    held = degrees(components)
-    names = [name for name in numbers if held[name]]
-    left = EXPONENT_BUDGET
+    """Scale one array as far as doubles allow, all others by the remaining exponents."""
+    array_degrees = degrees(components)
+    names = [name for name in numbers if array_degrees[name]]
+    budget = EXPONENT_BUDGET
     exponents = dict.fromkeys(numbers, 0)
     if names:
         first = names[pick % len(names)]
-        exponents[first] = min(LARGEST_EXPONENT, left // held[first])
-        left -= exponents[first] * held[first]
-        rest = sum(held[name] for name in names if name != first)
+        exponents[first] = min(LARGEST_EXPONENT, budget // array_degrees[first])
+        budget -= exponents[first] * array_degrees[first]
+        other_degrees = sum(array_degrees[name] for name in names if name != first)
         for name in names:
             if name != first:
-                exponents[name] = min(LARGEST_EXPONENT, left // rest)
+                exponents[name] = min(LARGEST_EXPONENT, budget // other_degrees)
     scales = {name: stream.sign() * exponent for name, exponent in exponents.items()}
     return {name: tuple(math.ldexp(x, scales[name]) for x in xs) for name, xs in numbers.items()}
 
@@ -266,26 +266,26 @@ def _subnormal_group(components: Kernel, pick: int) -> tuple[str, ...]:
     the derivation's formula as in any code.
     """
     curved = curved_inputs(components)
-    free = [q for q in components.inputs if q.name not in curved and not is_euler_parameters(q)]
-    groups = dict.fromkeys(q.name if q.unit == "-" else q.unit for q in free)
+    straight = [q for q in components.inputs if q.name not in curved and not is_euler_parameters(q)]
+    groups = dict.fromkeys(q.name if q.unit == "-" else q.unit for q in straight)
     if not groups:
         return ()
-    chosen = list(groups)[pick % len(groups)]
-    return tuple(q.name for q in free if chosen in {q.name, q.unit})
+    group = list(groups)[pick % len(groups)]
+    return tuple(q.name for q in straight if group in {q.name, q.unit})
 
 
 def curved_inputs(kernel: Kernel) -> tuple[str, ...]:
     """Input arrays of which a root, a quotient or an angle function is taken."""
-    held: list[dict[str, None]] = []
+    arrays: list[dict[str, None]] = []
     curved: dict[str, None] = {}
     for node in kernel.nodes:
-        own = [node.symbol[0]] if node.symbol else []
-        names = dict.fromkeys([*own, *(name for k in node.args for name in held[k])])
-        held.append(names)
+        leaf = [node.symbol[0]] if node.symbol else []
+        names = dict.fromkeys([*leaf, *(name for k in node.args for name in arrays[k])])
+        arrays.append(names)
         if node.op in {Op.SQRT, Op.SIN, Op.COS, Op.ATAN2}:
             curved.update(names)
         elif node.op is Op.DIV:
-            curved.update(held[node.args[1]])
+            curved.update(arrays[node.args[1]])
     return tuple(curved)
 
 
@@ -294,17 +294,17 @@ def degrees(kernel: Kernel) -> dict[str, int]:
 
     Scaling the array by 2^k scales no intermediate result by more than 2^(k · degree).
     """
-    held: list[dict[str, int]] = []
+    node_degrees: list[dict[str, int]] = []
     for node in kernel.nodes:
-        held.append({node.symbol[0]: 1} if node.symbol else _degree(node, held))
-    return {q.name: max(degree.get(q.name, 0) for degree in held) for q in kernel.inputs}
+        node_degrees.append({node.symbol[0]: 1} if node.symbol else _degree(node, node_degrees))
+    return {q.name: max(degree.get(q.name, 0) for degree in node_degrees) for q in kernel.inputs}
 
 
-def _degree(node: OperationNode[int], held: Sequence[Mapping[str, int]]) -> dict[str, int]:
-    args = [held[k] for k in node.args]
-    names = dict.fromkeys(name for arg in args for name in arg)
+def _degree(node: OperationNode[int], node_degrees: Sequence[Mapping[str, int]]) -> dict[str, int]:
+    operands = [node_degrees[k] for k in node.args]
+    names = dict.fromkeys(name for arg in operands for name in arg)
     if node.op in {Op.MUL, Op.DIV}:
-        return {name: sum(arg.get(name, 0) for arg in args) for name in names}
+        return {name: sum(arg.get(name, 0) for arg in operands) for name in names}
     if node.op is Op.SQRT:
-        return {name: math.ceil(args[0][name] / 2) for name in names}
-    return {name: max(arg.get(name, 0) for arg in args) for name in names}
+        return {name: math.ceil(operands[0][name] / 2) for name in names}
+    return {name: max(arg.get(name, 0) for arg in operands) for name in names}

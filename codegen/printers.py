@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class Precedence(IntEnum):
-    """How tightly the outermost operation of a text binds."""
+    """Precedence of the outermost operation of a text."""
 
     SUM = 1
     PRODUCT = 2
@@ -28,14 +28,14 @@ class Precedence(IntEnum):
 
 
 class Text(NamedTuple):
-    """A printed expression.
+    """Printed expression.
 
     Parameters
     ----------
     text : str
         The expression.
     precedence : Precedence
-        Of its outermost operation.
+        Precedence of its outermost operation.
     is_number : bool
         Whether it is a constant.
     """
@@ -51,21 +51,21 @@ class Text(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Printer:
-    """How one target writes the operations.
+    """Printer of operations for one target.
 
     Parameters
     ----------
     operators : mapping of Op to (str, Precedence)
-        Sign and precedence of what is written between or before operands.
+        Sign and precedence of operators, which stand between or before operands.
     functions : mapping of Op to str
-        Name of what is called.
+        Names of functions.
     """
 
     operators: Mapping[Op, tuple[str, Precedence]]
     functions: Mapping[Op, str]
 
     def constant(self, value: Fraction) -> Text:
-        """Print a number: the same text in every target."""
+        """Text of a number, the same in every target."""
         try:
             text = literal(value)
         except OverflowError as error:
@@ -74,7 +74,7 @@ class Printer:
         return Text(text, level, is_number=True)
 
     def apply(self, op: Op, args: Sequence[Text]) -> Text:
-        """Print ``op`` of printed operands."""
+        """Text of ``op`` with printed operands."""
         if op in self.functions:
             return Text(f"{self.functions[op]}({', '.join(arg.text for arg in args)})")
         if op not in self.operators:

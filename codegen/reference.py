@@ -1,10 +1,10 @@
-"""Reference values for emitted code, in 50 digits, with the unit its error is told in.
+"""Reference values for emitted code, in 50 digits, with the unit of its error.
 
-They are computed with so many digits that 50 are left where terms cancel that are larger by any
-power that the points hold.
+They are computed with so many digits that 50 remain after the cancellation of terms that are larger
+by any power of two in the points.
 
-They come from the scalar formulas of the derivation, which are found without the matrix level that
-is frozen and emitted.
+They come from the scalar formulas of the derivation, which do not use the matrix level that is
+frozen and emitted.
 """
 
 from __future__ import annotations
@@ -38,16 +38,16 @@ if TYPE_CHECKING:
     from kousoku.model.operations.kernel import Kernel, Package
     from kousoku.symbolic.derivation import DerivedOutput, Function
 
-#: From how many points the way to the constraint manifold is tried.
+#: Count of starts from which the constraint manifold is sought.
 MOST_STARTS = 8
-#: The output that a manifold is the zero of.
+#: Output whose zeros are the constraint manifold.
 CONSTRAINT = "C"
 #: Enough for 50 digits after a cancellation of 2^±900 against its inverse.
 WORKING_DIGITS = 600
 #: Numbers of reference that one kernel brings at most, unless one round of points is more.
 MOST_NUMBERS = 600
 MOST_ROUNDS = 2
-#: The same where each input shall have a round, as it is scaled, vanishes and is subnormal.
+#: The same where each input gets a round in which it is scaled, zero and subnormal.
 MOST_NUMBERS_OF_ALL_ROUNDS = 2400
 
 
@@ -61,7 +61,7 @@ def references(
     package : Package
         The frozen kernels; they say which elements are identically zero.
     functions : sequence of Function
-        What the kernels were frozen from, in the same order.
+        Functions that the kernels were frozen from, in the same order.
     is_thorough : bool
         Whether each input of a kernel has a round, where that is not too many numbers.
 
@@ -89,44 +89,44 @@ def references(
 def _kernels(
     package: Package, functions: Sequence[Function], is_thorough: bool
 ) -> list[dict[str, object]]:
-    every = [freeze_components(function) for function in functions]
+    frozen = [freeze_components(function) for function in functions]
     kernels: list[dict[str, object]] = []
-    for kernel, function, components in zip(package.kernels, functions, every, strict=True):
-        points = _points(function, components, every, is_thorough)
-        found = [(point, values_at(kernel, function, components, point)) for point in points]
-        known = [(point, values) for point, values in found if values is not None]
-        if not any(_is_finite(point) for point, _ in known):
+    for kernel, function, components in zip(package.kernels, functions, frozen, strict=True):
+        points = _points(function, components, frozen, is_thorough)
+        evaluated = [(point, values_at(kernel, function, components, point)) for point in points]
+        valid = [(point, values) for point, values in evaluated if values is not None]
+        if not any(_is_finite(point) for point, _ in valid):
             raise DerivationError(
                 f"kernel {kernel.name} has a pole or no real root at every point that was tried, "
                 "with inputs of order one; state it so that it holds for such inputs"
             )
-        beyond = [
-            _known(kernel, function, components, error)
+        off_points = [
+            _known_error_point(kernel, function, components, error)
             for error in known_errors(package, kernel.name)
         ]
-        rows = [values for _, values in known] + beyond
+        rows = [values for _, values in valid] + off_points
         kernels.append({"name": kernel.name, "points": rows})
     return kernels
 
 
-def _known(
+def _known_error_point(
     kernel: Kernel, function: Function, components: Kernel, error: KnownError
 ) -> dict[str, object]:
-    """Point at which outputs are beyond the limit, with their own limits.
+    """Point at which errors of outputs are above the common limit, with limits of its own.
 
     Raises
     ------
     DerivationError
-        One is further off than is known.
+        An error is larger than is known.
     """
     point = EvaluationPoint("known to be off", error.inputs)
     values: dict[str, Any] | None = values_at(kernel, function, components, point)
     assert values is not None
     for output, units in error.units.items():
-        found = units_off(kernel, output, error.inputs, values["outputs"][output])
-        if not found <= units:
+        units_found = units_off(kernel, output, error.inputs, values["outputs"][output])
+        if not units_found <= units:
             raise DerivationError(
-                f"kernel {kernel.name}: {output} is {found:.4g} units off where {units:g} are"
+                f"kernel {kernel.name}: {output} is {units_found:.4g} units off where {units:g} are"
                 " known; mend what grew, or say in codegen.known_errors why it must be"
             )
     return values | {"limits": dict(error.units)}
@@ -165,38 +165,39 @@ def _manifold_points(
             if solution is not None:
                 names = [quantity.name for quantity in function.inputs]
                 shared = {name: solution[name] for name in names if name in solution}
-                on = {**ordinary(function.inputs, stream), **shared}
-                near = {**on, **scattered(shared, stream, -33)}
+                on_manifold = {**ordinary(function.inputs, stream), **shared}
+                near_manifold = {**on_manifold, **scattered(shared, stream, -33)}
                 return [
-                    EvaluationPoint("on the manifold", on),
-                    EvaluationPoint("near the manifold", near),
+                    EvaluationPoint("on the manifold", on_manifold),
+                    EvaluationPoint("near the manifold", near_manifold),
                 ]
     return []
 
 
 def _solution(components: Kernel, stream: Sha256Random) -> dict[str, tuple[float, ...]] | None:
-    """Point on the constraint manifold; None where no start leads there."""
+    """Point on the constraint manifold, None where no start leads there."""
     # Only the first start takes from the stream: later points are the same however many it takes.
-    for own in (stream, *(Sha256Random(f"start {number}") for number in range(1, MOST_STARTS))):
-        start = ordinary(components.inputs, own)
-        found = solve_constraint(components, CONSTRAINT, start)
-        if found is not None:
-            return found
+    streams = (stream, *(Sha256Random(f"start {number}") for number in range(1, MOST_STARTS)))
+    for start_stream in streams:
+        start = ordinary(components.inputs, start_stream)
+        solution = solve_constraint(components, CONSTRAINT, start)
+        if solution is not None:
+            return solution
     return None
 
 
 def values_at(
     kernel: Kernel, function: Function, components: Kernel, point: EvaluationPoint
 ) -> dict[str, object] | None:
-    """Point with its references; None where it happens to be no number."""
-    bad = [
+    """Point with its references, None where an output has no value by chance."""
+    nonfinite = [
         (name, k)
         for name, xs in point.inputs.items()
         for k, x in enumerate(xs)
         if not math.isfinite(x)
     ]
-    # Where an input is not finite, any number shows which outputs depend on it, and is nothing to
-    # those that do not.
+    # In place of an input that is not finite, any number shows which outputs depend on it; the
+    # others do not change with it.
     finite = {
         name: [x if math.isfinite(x) else 1.25 for x in xs] for name, xs in point.inputs.items()
     }
@@ -211,7 +212,7 @@ def values_at(
     for k, quantity in enumerate(kernel.outputs):
         _check_zeros(kernel, k, duals[quantity.name])
         chosen = [duals[quantity.name][element] for element in kernel.nonzero(k)]
-        outputs[quantity.name] = columns(chosen, numbers, bad)
+        outputs[quantity.name] = columns(chosen, numbers, nonfinite)
     inputs = {name: [_json_number(x) for x in xs] for name, xs in point.inputs.items()}
     return {"label": point.label, "inputs": inputs, "outputs": outputs}
 

@@ -1,6 +1,6 @@
-"""Points that machines are in: bodies that turn together, lines along which points move, axes.
+"""Points of states of machines: bodies that turn together, points that move along lines, axes.
 
-There the parts of a formula are large and their sum is small, so that code in which they cancel
+There the terms of a formula are large and their sum is small, so that code in which they cancel
 loses digits, though no number is unusual.
 """
 
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 TURNING = {"p_i", "p_j", "omega_i_b", "omega_j_b"}
 LINE = {"r_i", "p_i", "s_i_b", "r_j", "p_j", "s_j_b"}
 MOVING_LINE = LINE | TURNING | {"v_i", "v_j"}
-#: How much faster bodies turn together than against each other, and points move along their line
-#: than across.
+#: Ratios of the common to the relative speed of turning, and of the speed of points along their
+#: line to that across it.
 FASTER = 1024.0, 128.0
 
 
@@ -38,22 +38,27 @@ def motion_points(
     Parameters
     ----------
     inputs : sequence of Quantity
-        The inputs of a function of two bodies; of others there are no states.
+        The inputs of a function of two bodies; other functions have no states.
     stream : Sha256Random
-        Where the digits come from.
+        Source of the digits.
     pick : int
-        Which axis a line lies near; bodies that turn together stand alike at every other pick.
+        Index of the axis that a line is near; bodies that turn together have one orientation at
+        every other pick.
     """
     names = {quantity.name for quantity in inputs}
     points = []
     if names >= TURNING:
         points.append(
-            EvaluationPoint("bodies turn together", _together(ordinary(inputs, stream), pick))
+            EvaluationPoint(
+                "bodies turn together", _turning_together(ordinary(inputs, stream), pick)
+            )
         )
-        points.append(EvaluationPoint("fast common turning", _fast(ordinary(inputs, stream))))
+        points.append(
+            EvaluationPoint("fast common turning", _fast_turning(ordinary(inputs, stream)))
+        )
     if names >= MOVING_LINE:
         points.append(
-            EvaluationPoint("points move along their line", _along(ordinary(inputs, stream)))
+            EvaluationPoint("points move along their line", _along_line(ordinary(inputs, stream)))
         )
     if names >= LINE:
         points.append(
@@ -67,19 +72,19 @@ def coincident_points(inputs: Sequence[Quantity], stream: Sha256Random) -> list[
     if not {quantity.name for quantity in inputs} >= LINE:
         return []
     numbers = ordinary(inputs, stream)
-    alike = {
+    one_place = {
         name: numbers[_of_i(name)] if _of_i(name) in numbers else numbers[name] for name in numbers
     }
     # With whole numbers and half a turn about x nothing is rounded.
-    whole = {name: tuple(float(round(4 * x)) for x in xs) for name, xs in numbers.items()}
-    whole |= {"p_i": (1.0, 0.0, 0.0, 0.0), "p_j": (0.0, 1.0, 0.0, 0.0)}
-    whole["r_j"] = _sum(whole["r_i"], _arm(whole, "i"), _times(-1.0, _arm(whole, "j")))
-    if whole.keys() >= MOVING_LINE:
-        rates = _arm_rate(whole, "i"), _times(-1.0, _arm_rate(whole, "j"))
-        whole["v_j"] = _sum(whole["v_i"], *rates)
+    integers = {name: tuple(float(round(4 * x)) for x in xs) for name, xs in numbers.items()}
+    integers |= {"p_i": (1.0, 0.0, 0.0, 0.0), "p_j": (0.0, 1.0, 0.0, 0.0)}
+    integers["r_j"] = _sum(integers["r_i"], _arm(integers, "i"), _times(-1.0, _arm(integers, "j")))
+    if integers.keys() >= MOVING_LINE:
+        rates = _arm_rate(integers, "i"), _times(-1.0, _arm_rate(integers, "j"))
+        integers["v_j"] = _sum(integers["v_i"], *rates)
     return [
-        EvaluationPoint("bodies in one place", alike),
-        EvaluationPoint("points coincide", whole),
+        EvaluationPoint("bodies in one place", one_place),
+        EvaluationPoint("points coincide", integers),
     ]
 
 
@@ -87,19 +92,19 @@ def _of_i(name: str) -> str:
     return "_".join("i" if part == "j" else part for part in name.split("_"))
 
 
-def _together(numbers: Numbers, pick: int) -> Numbers:
+def _turning_together(numbers: Numbers, pick: int) -> Numbers:
     if pick % 2:
         return numbers | {"p_j": numbers["p_i"], "omega_j_b": numbers["omega_i_b"]}
     return numbers | {"omega_j_b": _seen_from_j(numbers, numbers["omega_i_b"])}
 
 
-def _fast(numbers: Numbers) -> Numbers:
+def _fast_turning(numbers: Numbers) -> Numbers:
     common = _times(FASTER[0], numbers["omega_i_b"])
-    both = _sum(_seen_from_j(numbers, common), numbers["omega_j_b"])
-    return numbers | {"omega_i_b": common, "omega_j_b": both}
+    omega_j = _sum(_seen_from_j(numbers, common), numbers["omega_j_b"])
+    return numbers | {"omega_i_b": common, "omega_j_b": omega_j}
 
 
-def _along(numbers: Numbers) -> Numbers:
+def _along_line(numbers: Numbers) -> Numbers:
     line = _sum(
         numbers["r_j"], _arm(numbers, "j"), _times(-1.0, _sum(numbers["r_i"], _arm(numbers, "i")))
     )
@@ -108,7 +113,7 @@ def _along(numbers: Numbers) -> Numbers:
         _arm_rate(numbers, "i"),
         _times(-1.0, _arm_rate(numbers, "j")),
         _times(FASTER[1], line),
-        numbers["v_j"],  # what is across is of order one
+        numbers["v_j"],  # the speed across is of order one
     )
     return numbers | {"v_j": rate}
 
@@ -116,8 +121,8 @@ def _along(numbers: Numbers) -> Numbers:
 def _near_axis(numbers: Numbers, pick: int) -> Numbers:
     small = [math.ldexp(x, -20 * k) for k, x in enumerate(numbers["r_j"])]
     line = (*small[pick % 3 :], *small[: pick % 3])
-    own = _sum(numbers["r_i"], _arm(numbers, "i"), _times(-1.0, _arm(numbers, "j")), line)
-    return numbers | {"r_j": own}
+    r_j = _sum(numbers["r_i"], _arm(numbers, "i"), _times(-1.0, _arm(numbers, "j")), line)
+    return numbers | {"r_j": r_j}
 
 
 def _seen_from_j(numbers: Mapping[str, Triple], vector: Triple) -> tuple[float, ...]:
@@ -133,8 +138,8 @@ def _arm(numbers: Mapping[str, Triple], body: str) -> tuple[float, ...]:
 def _arm_rate(numbers: Mapping[str, Triple], body: str) -> tuple[float, ...]:
     """A (ω′ × s′)."""
     (a, b, c), (x, y, z) = numbers[f"omega_{body}_b"], numbers[f"s_{body}_b"]
-    turned = (b * z - c * y, c * x - a * z, a * y - b * x)
-    return _product(_orientation(numbers[f"p_{body}"]), turned)
+    rate = (b * z - c * y, c * x - a * z, a * y - b * x)
+    return _product(_orientation(numbers[f"p_{body}"]), rate)
 
 
 def _orientation(p: Sequence[float]) -> list[list[float]]:

@@ -1,35 +1,35 @@
 """Compose the motion of a system from frozen kinds: a program of small kernels on one workspace.
 
-:mod:`~kousoku.codegen.dynamics.generate` is the way from a scene to the folder of its solver:
+:mod:`~kousoku.codegen.dynamics.generate` goes from a scene to the folder of its solver:
 :mod:`~kousoku.codegen.dynamics.assembled` makes the system and its consistent start,
-:mod:`~kousoku.codegen.dynamics.analyse` decides what is solved, ``composition`` records it, and
-:mod:`~kousoku.codegen.dynamics.choose` takes of two programs one, where only composing them tells.
+:mod:`~kousoku.codegen.dynamics.analyse` decides on its equations, ``composition`` records them, and
+:mod:`~kousoku.codegen.dynamics.choose` chooses between two programs, where composing alone tells.
 
-Where what is, the lowest first; each imports those before it only,
-but ``elements``, which names in types who calls it:
+Packages, the lowest first; each imports those before it only,
+but ``elements``, whose types name its callers:
 
 ``disjoint_sets``
-    Which bodies, joints or rows belong together.
+    Sets of bodies, joints or rows that belong together.
 ``recording``
-    What operations are recorded on: kernels, tasks and one workspace; a program run and counted.
+    Records of operations: kernels, tasks and one workspace; a program run and counted.
 ``operations``
-    What one task computes: of a body, a joint, a force, a block of a factorisation.
+    Operations of one task: of a body, a joint, a force, a block of a factorisation.
 ``own_kinds``
-    A constraint of one's own as the type of joints, before scenes are read.
+    Constraint of a user as a type of joints, before scenes are read.
 ``elements``
-    Forces and kinds of constraints: what is recorded of each, and what analyses ask of it.
+    Forces and kinds of constraints: their records, and their properties for analyses.
 ``assembly``
     Positions and velocities that fit, near those that a scene gives.
 ``simplification``
     Fewer bodies, coordinates and columns than a scene has.
 ``redundancy``
-    Degrees of freedom, and which rows of the constraints depend on others.
+    Degrees of freedom, and dependent rows of the constraints.
 ``composition``
     The program of a system, segment by segment.
 ``emission``
-    From a program to the source text of its solver.
+    Source text of the solver of a program.
 ``checking``
-    The values that verifying compares with, and equations from a derivation of their own.
+    Reference values for verifying, and equations from an independent derivation.
 ``explanation``
-    What a scene does not need, counted.
+    Savings by each simplification of a scene, counted.
 """

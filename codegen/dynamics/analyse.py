@@ -1,6 +1,6 @@
 """Analyses of a system before it is composed, one after the other.
 
-Each takes a system and tells what it found; what one changes the next one sees:
+Each takes the system that the one before it returns, and returns its results with it:
 
 1. bodies that fixed joints hold together become one, ``simplification/lump.py``;
 2. the plane in which all bodies stay, if there is one, ``simplification/planarity.py``;
@@ -54,20 +54,20 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.simplification.outline import Outline
     from kousoku.model.mechanics.multibody import System
 
-#: How many velocities a joint may leave to a body: none where drivers lead it, and any number.
+#: Most velocities that a joint leaves to a body: none where drivers lead it, and any number.
 PRESCRIBED, ANY = 0, 6
 #: Outputs that depend on masses.
-DEPEND = ("reactions", "energies")
+MASS_OUTPUTS = ("reactions", "energies")
 
 
 @dataclass(frozen=True, slots=True)
 class Analysed:
-    """A system, and all that is decided of its equations.
+    """System with all decisions on its equations.
 
     Parameters
     ----------
     system : System
-        What is solved.
+        System whose equations are solved.
     outline : Outline
         Its plane, and rows and columns that are not structurally zero.
     freedom : Freedom
@@ -80,7 +80,7 @@ class Analysed:
     missing : tuple of str
         Keys of masses and moments that bodies lack and their motion may depend on.
     thin : tuple of str
-        Those of them that belong to bodies whose mass lies on a line: one moment is zero.
+        Those keys of ``missing`` whose bodies have their mass on a line: one moment is zero.
     """
 
     system: System
@@ -100,9 +100,9 @@ class Analysed:
 
     @property
     def satisfied(self) -> list[ConstraintEquation]:
-        """Rows that hold by themselves: those of joints that bodies are put onto."""
-        places = {place for one in self.transformations.values() for place in one.instances}
-        return [row for row in self.outline.rows if row.instance in places]
+        """Rows that hold by themselves: those of joints whose coordinates describe bodies."""
+        indices = {index for body in self.transformations.values() for index in body.instances}
+        return [row for row in self.outline.rows if row.instance in indices]
 
     @property
     def left_out(self) -> list[ConstraintEquation]:
@@ -127,35 +127,36 @@ class Analysed:
 
     @property
     def shares_out(self) -> bool:
-        """Whether forces that are not unique are found by loops, not by code of the scene."""
+        """Whether loops compute forces that are not unique, and not code of the scene."""
         return shares_out(len(self.solved), len(self.left_out))
 
     @property
     def momenta(self) -> tuple[ConservedMomenta, ...]:
-        """Momenta that parts of it conserve, in the axes of the plane."""
+        """Momenta that parts of the system conserve, in the axes of the plane."""
         return conserved_momenta(in_xy_plane(self).system, is_planar=self.outline.is_planar)
 
 
 def analyse(system: System, wanted: Collection[str]) -> Analysed:
-    """Assembled system with the findings of all analyses that need no program.
+    """Assembled system with the results of all analyses that need no program.
 
     Parameters
     ----------
     system : System
         A scene, assembled.
     wanted : collection of str
-        What is computed; with ``reactions`` no bodies are lumped.
+        Outputs that are computed; with ``reactions`` no bodies are lumped.
 
     Raises
     ------
     SceneError, AssemblyError
-        Bodies lack masses, rows do not hold or depend on each other as they may not.
+        Bodies lack masses, rows do not hold, or depend on each other where they must not.
     """
     lumps = lump(system, wanted)
     plane = plane_of(lumps.system)
     with_masses = with_placeholder_masses(lumps.system, plane)
-    found = ranked(with_masses.system, plane)
-    return replace(found, lumped=lumps.joints, missing=with_masses.missing, thin=with_masses.thin)
+    missing, thin = with_masses.missing, with_masses.thin
+    analysed = ranked(with_masses.system, plane)
+    return replace(analysed, lumped=lumps.joints, missing=missing, thin=thin)
 
 
 def with_all_rows(system: System, plane: Plane | None) -> Analysed:
@@ -185,60 +186,57 @@ def ranked(system: System, plane: Plane | None) -> Analysed:
 
     Parameters and refusals are those of :func:`with_all_rows`; rows that nothing changes must hold.
     """
-    found = with_all_rows(system, plane)
+    analysed = with_all_rows(system, plane)
     fixed = fixed_system(system)
-    require_constant_rows_hold(fixed, found.outline)
-    freedom = freedom_of(fixed, found.outline)
-    require_own_rows_implied(fixed, freedom, is_planar=found.outline.is_planar)
+    require_constant_rows_hold(fixed, analysed.outline)
+    freedom = freedom_of(fixed, analysed.outline)
+    require_own_rows_implied(fixed, freedom, is_planar=analysed.outline.is_planar)
     freedom = replace(freedom, idle=(*freedom.idle, *repeated_rows(fixed, freedom)))
     if freedom.closed:
         system = assemble(system, [(row.instance, row.row) for row in freedom.dropped])
-        found = with_all_rows(system, plane and plane_of(system))
-    return replace(found, freedom=freedom)
+        analysed = with_all_rows(system, plane and plane_of(system))
+    return replace(analysed, freedom=freedom)
 
 
-def with_joint_coordinates(found: Analysed, most_free: int) -> Analysed:
+def with_joint_coordinates(analysed: Analysed, most_free: int) -> Analysed:
     """System in which bodies on joints with the ground have the coordinates of these.
 
     Parameters
     ----------
-    found : Analysed
-        The system without, with all its rows.
+    analysed : Analysed
+        The system in absolute coordinates, with all its rows.
     most_free : int
-        How many velocities a joint may leave to a body.
+        Most velocities that a joint may leave to a body.
     """
-    there, is_planar = in_xy_plane(found), found.outline.is_planar
-    rows = by_instance(there.outline.rows)
-    transformations = {
-        k: one
-        for k, one in velocity_transformations_of(there.system, rows, is_planar=is_planar).items()
-        if len(one.free) <= most_free
-    }
-    system = found.system if is_planar else with_all_inertias(found.system)
-    return (
-        replace(found, system=system, transformations=transformations) if transformations else found
-    )
+    in_plane, is_planar = in_xy_plane(analysed), analysed.outline.is_planar
+    rows = by_instance(in_plane.outline.rows)
+    candidates = velocity_transformations_of(in_plane.system, rows, is_planar=is_planar)
+    transformations = {k: body for k, body in candidates.items() if len(body.free) <= most_free}
+    if not transformations:
+        return analysed
+    system = analysed.system if is_planar else with_all_inertias(analysed.system)
+    return replace(analysed, system=system, transformations=transformations)
 
 
-def in_xy_plane(found: Analysed) -> Analysed:
+def in_xy_plane(analysed: Analysed) -> Analysed:
     """System with its axes in an order in which its plane, if any, is the xy-plane."""
-    if not (shift := shift_of(found.outline.plane)):
-        return found
+    if not (shift := shift_of(analysed.outline.plane)):
+        return analysed
 
-    def seen(rows: Sequence[ConstraintEquation]) -> tuple[ConstraintEquation, ...]:
-        return permuted_rows(rows, found.system, shift)
+    def in_axes(rows: Sequence[ConstraintEquation]) -> tuple[ConstraintEquation, ...]:
+        return permuted_rows(rows, analysed.system, shift)
 
-    outline, freedom = found.outline, found.freedom
-    columns = tuple(permuted_columns(own, -shift) for own in outline.columns)
+    outline, freedom = analysed.outline, analysed.freedom
+    columns = tuple(permuted_columns(body_columns, -shift) for body_columns in outline.columns)
     return replace(
-        found,
-        system=permuted(found.system, shift),
-        outline=replace(outline, plane=Plane.XY, columns=columns, rows=seen(outline.rows)),
-        freedom=replace(freedom, dropped=seen(freedom.dropped), idle=seen(freedom.idle)),
+        analysed,
+        system=permuted(analysed.system, shift),
+        outline=replace(outline, plane=Plane.XY, columns=columns, rows=in_axes(outline.rows)),
+        freedom=replace(freedom, dropped=in_axes(freedom.dropped), idle=in_axes(freedom.idle)),
     )
 
 
-def require_driven(found: Analysed, wanted: Collection[str]) -> None:
+def require_driven(analysed: Analysed, wanted: Collection[str]) -> None:
     """Refuse quantities that depend on masses that are missing.
 
     Raises
@@ -247,21 +245,21 @@ def require_driven(found: Analysed, wanted: Collection[str]) -> None:
         Drivers leave freedoms, or what is wanted depends on masses; the message names a body that
         lacks one.
     """
-    if not found.missing:
+    if not analysed.missing:
         return
-    key = found.missing[0]
+    key = analysed.missing[0]
     lack, give = "is missing", "give it"
-    if key in found.thin:
+    if key in analysed.thin:
         lack = "has a moment of zero, as of a rod without thickness, about an axis of turning"
         give = "give the body some thickness, as of a cylinder"
-    more = f" (one of {len(found.missing)} such)" if len(found.missing) > 1 else ""
-    if found.freedom.degrees > 0:
+    more = f" (one of {len(analysed.missing)} such)" if len(analysed.missing) > 1 else ""
+    if analysed.freedom.degrees > 0:
         raise SceneError(
-            f"{lack}, and drivers leave {found.freedom.degrees} of the freedoms, whose motion"
+            f"{lack}, and drivers leave {analysed.freedom.degrees} of the freedoms, whose motion"
             f" depends on it{more}; {give}, or drive them",
             key=key,
         )
-    for name in DEPEND:
+    for name in MASS_OUTPUTS:
         if name in wanted:
             raise SceneError(
                 f"asks for {name}, which depend on {key}, and it {lack}{more}; {give}, or"

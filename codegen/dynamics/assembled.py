@@ -1,4 +1,4 @@
-"""From a scene to the system whose equations are solved: the first stage of all pipelines."""
+"""System of a scene whose equations are solved: the first stage of all pipelines."""
 
 from __future__ import annotations
 
@@ -19,16 +19,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Assembled:
-    """A scene of bodies in SI units, before anything is simplified.
+    """Scene of bodies in SI units, before anything is simplified.
 
     Parameters
     ----------
     given : System
-        As it is written.
+        The scene as it is written.
     placed : System
-        At positions and velocities that its joints and drivers allow, what is held among them.
+        The scene at positions and velocities that its joints and drivers allow, with the
+        coordinates that only assembly holds.
     system : System
-        The same without what only assembly holds: what moves.
+        The same without these: the system that moves.
     """
 
     given: System
@@ -44,15 +45,15 @@ def assemble_scene(scene: Scene, wanted: Sequence[str]) -> Assembled:
     scene : Scene
         A checked spatial scene.
     wanted : sequence of str
-        What is computed.
+        Outputs that are computed.
 
     Raises
     ------
     SceneError, AssemblyError
         It asks for what dynamics does not honour, or its bodies do not fit together.
     """
-    given = system_of(scene, wanted)
-    require_kept(given)
-    placed = with_consistent_start(given)
-    require_held(given, placed)
-    return Assembled(given, placed, without_held(placed))
+    written = system_of(scene, wanted)
+    require_kept(written)
+    placed = with_consistent_start(written)
+    require_held(written, placed)
+    return Assembled(written, placed, without_held(placed))

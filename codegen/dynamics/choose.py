@@ -1,8 +1,8 @@
-"""Which of several programs a system gets, where only composing them tells.
+"""Choice among several programs of a system, where only composing them tells the better one.
 
 Joint coordinates save rows, and may cost operations: both programs are counted. Forces of joints
-that lead out of a plane need equations in space: where these fail, only what acts in the plane is
-computed.
+that lead out of a plane need equations in space: where these fail, only components in the plane
+are computed.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.codegen.dynamics.redundancy.freedom import Freedom
 
-#: The segments that every stage of a step runs: what they cost decides, whatever is wanted beside.
+#: Segments that every stage of a step runs: their cost decides, whatever the outputs are.
 STAGE_SEGMENTS = frozenset({"geometry", "position", "move", "velocity", "acceleration"})
 #: Rows are dependent when one pivot is smaller than this part of another: of the sixteen digits of
 #: a double such a pivot has four at most.
@@ -37,21 +37,21 @@ DEPENDENT_PIVOT_RATIO = 1e-12
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """Program of a scene, and that beside which it was chosen.
+    """Program of a scene, and the program in absolute coordinates that it was compared with.
 
     Parameters
     ----------
     analysed : Analysed
-        What both are composed from: the scene as it was found, or with all inertias to find what
-        leads out of its plane.
-    whole : Program
+        System that both are composed from: the scene as analysed, or with all inertias for forces
+        that lead out of its plane.
+    absolute : Program
         The program without joint coordinates.
     program : Program
         The one that costs less.
     """
 
     analysed: Analysed
-    whole: Program
+    absolute: Program
     program: Program
 
 
@@ -63,14 +63,14 @@ def choice_of(analysed: Analysed, wanted: Sequence[str]) -> Choice:
     analysed : Analysed
         The scene, without joint coordinates.
     wanted : sequence of str
-        What is computed.
+        Outputs that are computed.
     """
     if "reactions" in wanted:
-        chosen, whole = with_reactions(analysed, wanted)
+        chosen, absolute = with_reactions(analysed, wanted)
     else:
-        chosen, whole = analysed, compose(analysed, wanted)
-    whole = replace(whole, has_masses=not analysed.missing)
-    return Choice(chosen, whole, cheaper(chosen, wanted, whole))
+        chosen, absolute = analysed, compose(analysed, wanted)
+    absolute = replace(absolute, has_masses=not analysed.missing)
+    return Choice(chosen, absolute, cheaper(chosen, wanted, absolute))
 
 
 def cheaper(
@@ -78,31 +78,31 @@ def cheaper(
 ) -> Program:
     """Program in joint coordinates where it costs less, or else the program without.
 
-    They are not looked for where rows depend on others: there all rows are needed, to watch them
-    and to take over. And not in a large scene with few bodies at the ground, unless drivers lead
-    these.
+    Joint coordinates are not tried where rows depend on others: there all rows are needed, to watch
+    them and to take over. And not in a large scene with few bodies at the ground, unless drivers
+    lead these.
 
     Parameters
     ----------
     analysed : Analysed
         The scene, without joint coordinates.
     wanted : sequence of str
-        What is computed.
+        Outputs that are computed.
     program : Program
-        What it was composed to.
+        The program of the scene without joint coordinates.
     most_free : int
-        How many velocities a joint may leave to a body.
+        Most velocities that a joint may leave to a body.
     """
     if analysed.left_out or not is_worth(analysed.system, analysed.outline.rows):
         return program
-    found = with_joint_coordinates(analysed, most_free)
-    if not found.transformations:
+    reduced = with_joint_coordinates(analysed, most_free)
+    if not reduced.transformations:
         return program
-    other = compose(found, wanted)
-    if _cost(other) >= _cost(program):
+    candidate = compose(reduced, wanted)
+    if _cost(candidate) >= _cost(program):
         return program
     return replace(
-        other,
+        candidate,
         has_masses=program.has_masses,
         not_unique=program.not_unique,
         undetermined=program.undetermined,
@@ -112,55 +112,55 @@ def cheaper(
 
 
 def _cost(program: Program) -> int:
-    return sum(one.operations for one in counts(program) if one.segment in STAGE_SEGMENTS)
+    return sum(cost.operations for cost in counts(program) if cost.segment in STAGE_SEGMENTS)
 
 
 def with_reactions(analysed: Analysed, wanted: Sequence[str]) -> tuple[Analysed, Program]:
-    """Program that finds the forces of all joints, and knows which are not unique.
+    """Program that computes the forces of all joints, and knows which are not unique.
 
     Parameters
     ----------
     analysed : Analysed
-        The scene: where it moves in a plane and forces lead out of that, equations in space take
-        the place of its own.
+        The scene: where it moves in a plane and forces lead out of that, equations in space replace
+        its equations in the plane.
     wanted : sequence of str
-        What is computed.
+        Outputs that are computed.
 
     Returns
     -------
     Analysed, Program
-        What was composed, and the program. In a plane, joints that are named because of what leads
-        out of it only are named apart.
+        The system that was composed, and the program. Of a scene in a plane, joints whose forces
+        are not unique only out of the plane are listed apart.
     """
     freedom, system = analysed.freedom, analysed.system
     if not analysed.outline.is_planar:
         return analysed, _named(compose(analysed, wanted), freedom)
     in_plane = dict.fromkeys((*freedom.not_unique, *freedom.unknown))
-    found, why = None, ""
+    composed, obstacle = None, ""
     if not is_flat(system, analysed.outline.normal):
         try:
-            found = _in_space(analysed, wanted)
+            composed = _in_space(analysed, wanted)
         except SceneError as error:  # rows depend on each other in another way, or too many
-            why = f"{error.key}: {error.problem}"
-    if found is None:
+            obstacle = f"{error.key}: {error.problem}"
+    if composed is None:
         program = compose(analysed, wanted)
-        twice = held_twice(fixed_system(system), program)
-        found = analysed, replace(program, not_unique=twice, only_in_plane=why)
-    chosen, program = found
+        doubly_held = held_twice(fixed_system(system), program)
+        composed = analysed, replace(program, not_unique=doubly_held, only_in_plane=obstacle)
+    chosen, program = composed
     others = tuple(name for name in program.not_unique if name not in in_plane)
-    own = tuple(one for one in chosen.freedom.undetermined if one[0] in in_plane)
+    undetermined = tuple(pair for pair in chosen.freedom.undetermined if pair[0] in in_plane)
     return chosen, replace(
-        program, not_unique=tuple(in_plane), undetermined=own, unique_in_plane=others
+        program, not_unique=tuple(in_plane), undetermined=undetermined, unique_in_plane=others
     )
 
 
 def _in_space(analysed: Analysed, wanted: Sequence[str]) -> tuple[Analysed, Program]:
     """Program in space of a scene that moves in a plane; SceneError if there is none."""
-    found = ranked(with_all_inertias(analysed.system), None)
-    program = _named(compose(found, wanted), found.freedom)
+    spatial = ranked(with_all_inertias(analysed.system), None)
+    program = _named(compose(spatial, wanted), spatial.freedom)
     if not _is_regular(program):
         raise SceneError("rows that are kept depend on each other at the start")
-    return found, program
+    return spatial, program
 
 
 def _named(program: Program, freedom: Freedom) -> Program:

@@ -1,4 +1,4 @@
-"""Disjoint sets: which bodies, joints or rows belong together."""
+"""Disjoint sets of bodies, joints or rows that belong together."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ class DisjointSets:
     Parameters
     ----------
     members : iterable of int
-        All there are; each is a set at first. The ground, −1, may be one of them.
+        All members; each is a set at first. The ground, −1, may be one of them.
 
     References
     ----------
@@ -41,7 +41,7 @@ class DisjointSets:
 
     def sets(self) -> list[list[int]]:
         """Members of each set, all in the order in which they were given."""
-        found: dict[int, list[int]] = {}
+        sets: dict[int, list[int]] = {}
         for member in self._above:
-            found.setdefault(self.of(member), []).append(member)
-        return list(found.values())
+            sets.setdefault(self.of(member), []).append(member)
+        return list(sets.values())

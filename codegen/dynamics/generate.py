@@ -1,15 +1,15 @@
-"""From a scene of bodies to the folder of its solver, stage after stage; SymPy is never started.
+"""Stages from a scene of bodies to the folder of its solver; SymPy is never started.
 
 ``assemble_scene``: Scene → Assembled
     SI units, principal frames, instances of kinds; at a start that joints and drivers allow.
 ``analyse``: System → Analysed
-    Fewer bodies, the plane, masses, rows and ranks: all that is decided beforehand.
+    Fewer bodies, the plane, masses, rows and ranks: decisions before composition.
 ``written_start``: Scene, System → bodies as written
     Where the start depends on parameters.
 ``require_driven``: Analysed
-    Refused in words where what is wanted depends on masses that are missing.
+    Refused in words where outputs depend on masses that are missing.
 ``choice_of``: Analysed → Choice
-    Composed; of two programs that solve it the better one.
+    Composed; the cheaper one of two programs that solve it.
 ``solver_references``: Program, System → text
     States with results in 50 digits, if wanted.
 ``inline``: Program → Program
@@ -66,8 +66,8 @@ def generate_dynamics(
     scene : Scene
         A checked spatial scene.
     outputs : sequence of str, optional
-        What is wanted of ``accelerations``, ``reactions`` and ``energies``, beside positions and
-        velocities; what the scene says unless given.
+        Those of ``accelerations``, ``reactions`` and ``energies`` that are computed beside
+        positions and velocities; the scene's unless given.
     references : bool
         Whether the folder has reference values, which ``kousoku verify`` compares with; that takes
         a second for some ten bodies.
@@ -85,12 +85,12 @@ def generate_dynamics(
         Its bodies do not fit together near the positions that it gives.
     """
     wanted = scene.outputs if outputs is None else outputs
-    made = compose_scene(scene, wanted)
-    program, system = made.program, made.system
-    more = {}
+    composed = compose_scene(scene, wanted)
+    program, system = composed.program, composed.system
+    data = {}
     if references:
-        more[REFERENCE_FILE] = solver_references(program, system, made.written)
-    return emit_dynamics(inline(program), system, wanted, more, made.about)
+        data[REFERENCE_FILE] = solver_references(program, system, composed.written)
+    return emit_dynamics(inline(program), system, wanted, data, composed.about)
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,11 +100,11 @@ class Composed:
     Parameters
     ----------
     program, system : Program, System
-        What is computed, and of what.
+        Program, and the system that it was composed of.
     degrees : int
         Degrees of freedom.
     about : About
-        What is told of the scene.
+        Facts about the scene, for its user.
     written : System
         The scene after assembly, before anything is simplified.
     """
@@ -117,14 +117,14 @@ class Composed:
 
 
 def compose_scene(scene: Scene, wanted: Sequence[str]) -> Composed:
-    """Scene of bodies before it is emitted; all that is wrong with it is found here.
+    """Scene of bodies before it is emitted; all its faults are found here.
 
     Parameters
     ----------
     scene : Scene
         A checked spatial scene.
     wanted : sequence of str
-        What is computed.
+        Outputs that are computed.
 
     Raises
     ------
@@ -134,41 +134,42 @@ def compose_scene(scene: Scene, wanted: Sequence[str]) -> Composed:
     start = assemble_scene(scene, wanted)
     analysed = analyse(start.system, wanted)
     if analysed.freedom.degrees:
-        given = written_start(scene, start.given, analysed.system)
-        analysed = replace(analysed, system=replace(analysed.system, given=given))
+        written = written_start(scene, start.given, analysed.system)
+        analysed = replace(analysed, system=replace(analysed.system, given=written))
     require_driven(analysed, wanted)
     program = choice_of(analysed, (*LEDGER_OUTPUTS, *wanted)).program
     changes = changes_of_assembly(start.given, start.placed)
     notes = (
         *notes_of(changes, start.given.unit, scene.unit),
         *notes_of_freedom(analysed.system, analysed.freedom),
-        *_of_reactions(program),
-        *_of_lengths(start.placed),
+        *_notes_of_reactions(program),
+        *_notes_of_distances(start.placed),
         *notes_of_rank(program, analysed.system),
     )
-    about = replace(About.of(scene, notes), moved=tuple([one.body, *one.sizes] for one in changes))
+    moved = tuple([change.body, *change.sizes] for change in changes)
+    about = replace(About.of(scene, notes), moved=moved)
     return Composed(program, analysed.system, analysed.freedom.degrees, about, start.system)
 
 
-def _of_lengths(system: System) -> Iterator[str]:
+def _notes_of_distances(system: System) -> Iterator[str]:
     """Notes on forces along a distance that is zero at the start, where it has no direction."""
-    at_scene = fixed_system(system)
-    least = NO_LENGTH * characteristic_length(at_scene)
-    for force in at_scene.forces:
+    fixed = fixed_system(system)
+    limit = NO_LENGTH * characteristic_length(fixed)
+    for force in fixed.forces:
         ends: ForceElement | RelativeCoordinate = force
-        if force.coordinate >= 0 and at_scene.coordinates[force.coordinate].is_distance:
-            ends = at_scene.coordinates[force.coordinate]
+        if force.coordinate >= 0 and fixed.coordinates[force.coordinate].is_distance:
+            ends = fixed.coordinates[force.coordinate]
         elif not force.needs_direction:
             continue
-        places = [[height(at_scene, ends, end, axis) for end in "ij"] for axis in range(3)]
-        if max(abs(j - i) for i, j in places) <= least:
+        heights = [[height(fixed, ends, end, axis) for end in "ij"] for axis in range(3)]
+        if max(abs(j - i) for i, j in heights) <= limit:
             yield (
                 f"{join('forces', force.name)}: its ends are in one place at the start, where it"
                 " has no direction and does nothing, until something parts them"
             )
 
 
-def _of_reactions(program: Program) -> Iterator[str]:
+def _notes_of_reactions(program: Program) -> Iterator[str]:
     """Notes on reactions that lead out of the plane: not unique, or not computed."""
     joints = program.unique_in_plane
     if joints:

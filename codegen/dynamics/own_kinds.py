@@ -1,4 +1,4 @@
-"""A constraint of one's own as the type of joints: its inputs and rows, for a scene."""
+"""Constraint of a user as a type of joints: its inputs and rows, for a scene."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ STATE = {name.format(body): (n,) for name, n, _ in (*PLACES, *RATES) for body in
 
 
 def own_kind_of(package: Package) -> OwnKind:
-    """Kind of one's own as the type of joints; its kernels are kept.
+    """Kind of one's own, as a type of joints; its kernels are kept.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def own_kind_of(package: Package) -> OwnKind:
     Raises
     ------
     DerivationError
-        It is no constraint between two bodies that a joint can be made of; the message says why.
+        The package is no constraint between two bodies; the message says why.
     """
     if problem := next(_problems(package), ""):
         raise DerivationError(
@@ -48,7 +48,7 @@ def own_kind_of(package: Package) -> OwnKind:
         kernels=keep_own(package),
         unit="m" if constraint.outputs[0].unit == "m" else "rad",
         turns=(_needs_orientation(constraint, 0), _needs_orientation(constraint, 1)),
-        inputs={one.name: _input(one) for one in own_inputs(package)},
+        inputs={quantity.name: _input(quantity) for quantity in own_inputs(package)},
     )
 
 
@@ -58,59 +58,62 @@ def _problems(package: Package) -> Iterator[str]:
         yield f"{package.name!r} is a type of joints that kousoku has"
     for name, outputs in OUTPUTS.items():
         kernel = _kernel(package, name)
-        found = {} if kernel is None else {one.name: one.shape for one in kernel.outputs}
-        if not found.keys() >= {*outputs}:
+        shapes = {} if kernel is None else {output.name: output.shape for output in kernel.outputs}
+        if not shapes.keys() >= {*outputs}:
             yield f"it has no kernel {name} that gives {' and '.join(outputs)}"
             return
-        rows = found[outputs[0]]
+        rows = shapes[outputs[0]]
         if len(rows) != 1 or not 1 <= rows[0] <= COLUMNS:
             yield f"{outputs[0]} has shape {rows}, and a joint has 1 to {COLUMNS} rows"
-        if name == "constraint" and found["C_q"] != (*rows, 2 * COLUMNS):
-            yield f"C_q has shape {found['C_q']} for C of shape {rows}"
-        for one in () if kernel is None else kernel.inputs:
-            if STATE.get(one.name, one.shape) != one.shape:
-                yield f"{one.name} has shape {one.shape}"
-    for one in own_inputs(package):
-        if one.name in KEYS:
-            yield f"its input is called {one.name!r}, as a key of joints is"
-        if one.shape not in {(), (3,)}:
-            yield f"its input {one.name} has shape {one.shape}, which is no number and no vector"
-        if one.unit not in {"-", "rad", "m"}:
-            yield f"its input {one.name} is in {one.unit}, not in m, rad or without unit"
+        if name == "constraint" and shapes["C_q"] != (*rows, 2 * COLUMNS):
+            yield f"C_q has shape {shapes['C_q']} for C of shape {rows}"
+        for quantity in () if kernel is None else kernel.inputs:
+            if STATE.get(quantity.name, quantity.shape) != quantity.shape:
+                yield f"{quantity.name} has shape {quantity.shape}"
+    for quantity in own_inputs(package):
+        name, shape, unit = quantity.name, quantity.shape, quantity.unit
+        if name in KEYS:
+            yield f"its input is called {name!r}, as a key of joints is"
+        if shape not in {(), (3,)}:
+            yield f"its input {name} has shape {shape}, which is no number and no vector"
+        if unit not in {"-", "rad", "m"}:
+            yield f"its input {name} is in {unit}, not in m, rad or without unit"
 
 
 def _kernel(package: Package, name: str) -> Kernel | None:
     return next((kernel for kernel in package.kernels if kernel.name == name), None)
 
 
-def _input(one: Quantity) -> OwnInput:
-    unit = cast("Literal['-', 'rad', 'm']", one.unit)  # as was checked
-    return OwnInput(unit=unit, vector=one.shape == (3,), body=_body_of(one), meaning=one.meaning)
+def _input(quantity: Quantity) -> OwnInput:
+    unit = cast("Literal['-', 'rad', 'm']", quantity.unit)  # as was checked
+    return OwnInput(
+        unit=unit, vector=quantity.shape == (3,), body=_body_of(quantity), meaning=quantity.meaning
+    )
 
 
-def _body_of(one: Quantity) -> Literal["", "i", "j"]:
+def _body_of(quantity: Quantity) -> Literal["", "i", "j"]:
     """Body that a vector is fixed in, by its name."""
-    if one.shape != (3,):
+    if quantity.shape != (3,):
         return ""
-    return "i" if one.name.endswith("_i_b") else "j" if one.name.endswith("_j_b") else ""
+    return "i" if quantity.name.endswith("_i_b") else "j" if quantity.name.endswith("_j_b") else ""
 
 
 def _needs_orientation(constraint: Kernel, side: int) -> bool:
     """Whether turns of a body change C where its points are the origin of its frame."""
     graph, body = Graph(), "ij"[side]
     inputs = {
-        one.name: [
+        quantity.name: [
             graph.const(0)
-            if one.unit == "m" and _body_of(one) == body
-            else graph.input(one.name, k)
-            for k in range(one.size)
+            if quantity.unit == "m" and _body_of(quantity) == body
+            else graph.input(quantity.name, k)
+            for k in range(quantity.size)
         ]
-        for one in constraint.inputs
+        for quantity in constraint.inputs
     }
-    found = substitute(graph, constraint, inputs)["C_q"]
+    jacobian = substitute(graph, constraint, inputs)["C_q"]
     first = side * COLUMNS + 3
     return any(
-        graph.value(found[row + k]) != 0
-        for row in range(0, len(found), 2 * COLUMNS)
+        graph.value(jacobian[row + k]) != 0
+        for row in range(0, len(jacobian), 2 * COLUMNS)
         for k in range(first, first + 3)
     )

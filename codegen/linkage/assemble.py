@@ -1,4 +1,4 @@
-"""Assemble a scene: numbered coordinates, link elements between them, known and unknown parts.
+"""Assembly of a linkage: numbered coordinates, link elements between them, known and unknown parts.
 
 This is section 2 of Yamada and Tatsumi (1981): each link has the coordinates x1 y1 β1 x2 y2 β2 of
 its ends (1), links share the coordinates of the nodes they meet at, rotations too where the
@@ -44,7 +44,7 @@ class LinkageCoordinate:
     start : Fraction
         Its value where it is fixed, else near its value at division 0.
     scale : Fraction [unit of the scene]
-        What a change by 1 moves: 1 for a length, the length of the link for a rotation.
+        Displacement by a change of 1: 1 for a length, the length of the link for a rotation.
     """
 
     name: str
@@ -65,7 +65,7 @@ class Affine:
 
 @dataclass(frozen=True, slots=True)
 class LinkElement:
-    """A link with its place in the assembly; Yamada and Tatsumi (1981).
+    """Link with its coordinates in the assembly; Yamada and Tatsumi (1981).
 
     Parameters
     ----------
@@ -79,8 +79,8 @@ class LinkElement:
     ends : (6,) of Affine [unit of the scene, rad]
         x1 y1 β1 x2 y2 β2, frame O, (1).
     rows : tuple of int
-        Which of ε1, ε2, ε3, (5) to (7), must vanish; all but those that a link of the frame fulfils
-        by itself.
+        Indices of those of ε1, ε2, ε3, (5) to (7), that must vanish; all but those that a link of
+        the frame fulfils by itself.
     """
 
     name: str
@@ -92,14 +92,14 @@ class LinkElement:
 
 @dataclass(frozen=True, slots=True)
 class Assembly:
-    """A linkage whose links share coordinates, as in the assembly of finite elements.
+    """Linkage whose links share coordinates, as in the assembly of finite elements.
 
-    Its position is found later, by the assembly of a run (``runtime/kinematics/assembly``).
+    Its position is computed later, by the assembly of a run (``runtime/kinematics/assembly``).
 
     Parameters
     ----------
     scene : Scene
-        What was assembled.
+        Scene of the linkage.
     coordinates : tuple of LinkageCoordinate
         Node positions in the order of the nodes, then sliders, then rotations.
     nodes : tuple of (str, Affine, Affine)
@@ -109,7 +109,7 @@ class Assembly:
     inputs : tuple of int
         The prescribed coordinates, in the order of the scene's inputs.
     notes : tuple of str
-        What was merged or dropped, one sentence each.
+        Notes on merged and dropped coordinates and links, one sentence each.
     """
 
     scene: Scene
@@ -133,7 +133,7 @@ def assemble(scene: Scene) -> Assembly:
 
 
 class _Assembler:
-    """The growing lists of one assembly."""
+    """Assembler of one linkage, with lists that grow."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
@@ -175,23 +175,23 @@ class _Assembler:
         return Affine(x), Affine(y)
 
     def _slider(self, name: str) -> tuple[Affine, Affine]:
-        """Place a node on its line: node = through + s · direction."""
+        """Coordinates of a node on its line: node = through + s · direction."""
         slider = self.scene.sliders[name]
         through = tuple(map(Fraction, slider.through))
         at = map(Fraction, self.scene.nodes[slider.node].at)
-        along = unit_vector(*map(Fraction, slider.direction))
-        start = sum((a - t) * d for a, t, d in zip(at, through, along, strict=True)) or Fraction(0)
-        keys = [key for key, given in self.scene.inputs.items() if given.slider == name]
+        axis = unit_vector(*map(Fraction, slider.direction))
+        start = sum((a - t) * d for a, t, d in zip(at, through, axis, strict=True)) or Fraction(0)
+        keys = [key for key, item in self.scene.inputs.items() if item.slider == name]
         for key in keys:
             start = Fraction(self.scene.inputs[key].start)
             self.prescribed[key] = len(self.coordinates)
         s = self._add(name, Role.INPUT if keys else Role.UNKNOWN, start)
         self.notes.append(f"{slider.node}.x and {slider.node}.y merged: slider {name}")
-        x, y = (Affine(s, d, t) for d, t in zip(along, through, strict=True))
+        x, y = (Affine(s, d, t) for d, t in zip(axis, through, strict=True))
         return x, y
 
     def _rotation(self, rotation: NodeRotation) -> None:
-        """Give a rotation its number, and its links their heading seen from the node."""
+        """Add a rotation, and the headings of its links from the node."""
         first, node = rotation.links[0], rotation.node
         start, name, role = direction(self.scene, first, node), f"{first}@{node}", Role.UNKNOWN
         if rotation.input:
@@ -215,8 +215,9 @@ class _Assembler:
             rows = tuple(row for row, node in ends if (name, node) in self.active)
             if not rows:
                 self.notes.append(f"{name} dropped: both of its nodes are fixed")
-        seen = self.ends.get((name, second), Affine(0))
-        turned = Affine(seen.coordinate, seen.factor, seen.offset - HALF_TURN)
+        heading = self.ends.get((name, second), Affine(0))
+        beta2 = Affine(heading.coordinate, heading.factor, heading.offset - HALF_TURN)
         (x1, y1), (x2, y2) = self.nodes[first], self.nodes[second]
-        six = (x1, y1, self.ends.get((name, first), Affine(0)), x2, y2, turned)
-        return LinkElement(name, (first, second), Fraction(self.scene.length(name)), six, rows)
+        coordinates = (x1, y1, self.ends.get((name, first), Affine(0)), x2, y2, beta2)
+        length = Fraction(self.scene.length(name))
+        return LinkElement(name, (first, second), length, coordinates, rows)

@@ -1,4 +1,4 @@
-"""Part the equations of a linkage into blocks that are solved one after the other.
+"""Blocks of the equations of a linkage, which are solved one after the other.
 
 The finest block-triangular form of the residuals ε = 0 (Dulmage and Mendelsohn 1958): a perfect
 matching of equations and unknowns, then the strongly connected components in the order of their
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.linkage.assemble import Assembly, LinkElement
 
-#: The places of x1 y1 β1 x2 y2 β2 that each of ε1, ε2, ε3 depends on, (5)–(7).
+#: Indices in x1 y1 β1 x2 y2 β2 of the coordinates that ε1, ε2, ε3 depend on, (5)–(7).
 DEPENDS = ((0, 1, 3, 4), (0, 1, 2, 3, 4), (0, 1, 3, 4, 5))
 
 Equation = tuple[int, int]
@@ -27,7 +27,7 @@ Equation = tuple[int, int]
 
 @dataclass(frozen=True, slots=True)
 class DiagonalBlock:
-    """Unknowns that are found together.
+    """Unknowns that are solved together, and their equations.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def triangular_blocks(assembly: Assembly) -> tuple[DiagonalBlock, ...]:
         for row in element.rows
     }
     row_of = _match(unknowns_of)
-    count = sum(one.role is Role.UNKNOWN for one in assembly.coordinates)
+    count = sum(coordinate.role is Role.UNKNOWN for coordinate in assembly.coordinates)
     # as many rows as unknowns, and independent ones: model/linkage/mobility.py has refused other
     # scenes
     assert len(row_of) == len(unknowns_of) == count
@@ -73,13 +73,13 @@ def live_blocks(
 
 def _unknowns(assembly: Assembly, element: LinkElement, row: int) -> tuple[int, ...]:
     """Unknown coordinates that an equation depends on."""
-    terms = (element.ends[place] for place in DEPENDS[row])
-    found = {term.coordinate: None for term in terms if term.factor}
-    return tuple(c for c in found if assembly.coordinates[c].role is Role.UNKNOWN)
+    terms = (element.ends[index] for index in DEPENDS[row])
+    coordinates = {term.coordinate: None for term in terms if term.factor}
+    return tuple(c for c in coordinates if assembly.coordinates[c].role is Role.UNKNOWN)
 
 
 def _match(unknowns_of: Mapping[Equation, tuple[int, ...]]) -> dict[int, Equation]:
-    """Equation of each matched unknown; as many are matched as can be."""
+    """Equation of each matched unknown, by a maximum matching."""
     row_of: dict[int, Equation] = {}
     unknown_of: dict[Equation, int] = {}
     for start in unknowns_of:
@@ -130,20 +130,20 @@ def _components(
         index[root] = low[root] = len(index)
         stack[root] = None
         while work:
-            unknown, rest = work[-1]
-            following = next(rest, None)
-            if following is None:
+            unknown, remaining = work[-1]
+            successor = next(remaining, None)
+            if successor is None:
                 work.pop()
                 if work:
                     low[work[-1][0]] = min(low[work[-1][0]], low[unknown])
                 if low[unknown] == index[unknown]:
                     blocks.append(_pop_component(stack, unknown, row_of))
-            elif following not in index:
-                index[following] = low[following] = len(index)
-                stack[following] = None
-                work.append((following, iter(unknowns_of[row_of[following]])))
-            elif following in stack:
-                low[unknown] = min(low[unknown], index[following])
+            elif successor not in index:
+                index[successor] = low[successor] = len(index)
+                stack[successor] = None
+                work.append((successor, iter(unknowns_of[row_of[successor]])))
+            elif successor in stack:
+                low[unknown] = min(low[unknown], index[successor])
     return tuple(blocks)
 
 

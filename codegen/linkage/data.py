@@ -1,4 +1,4 @@
-"""Places of nodes and links among the numbers of a linkage, and its tables."""
+"""Data of a linkage for its solver: nodes, links, inputs, blocks and tables."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ def linkage_data(program: Program, layout: WorkspaceLayout) -> dict[str, Any]:
             for name, c in zip(scene.inputs, assembly.inputs, strict=True)
         ],
         "unknowns": [
-            [one.name, float(one.start), float(one.scale), one.unit == "rad"]
-            for one in (coordinates[c] for c in layout.unknowns)
+            [unknown.name, float(unknown.start), float(unknown.scale), unknown.unit == "rad"]
+            for unknown in (coordinates[c] for c in layout.unknowns)
         ],
         "blocks": [
             {
@@ -50,28 +50,28 @@ def linkage_data(program: Program, layout: WorkspaceLayout) -> dict[str, Any]:
             for block in layout.blocks
         ],
         "work_size": program.size,
-        "places": {one.name: [one.base, one.size] for one in program.regions},
-        "segments": [one.name for one in program.segments],
+        "places": {region.name: [region.base, region.size] for region in program.regions},
+        "segments": [segment.name for segment in program.segments],
         "run": _run(layout),
     }
 
 
 def _run(layout: WorkspaceLayout) -> dict[str, Any]:
-    """Run that the scene asks for, as data."""
+    """Run of the scene, as data."""
     scene = layout.assembly.scene
     inputs = [*scene.inputs.values()]
-    turns = [turns_of(given) or 0.0 for given in inputs]
+    turns = [turns_of(item) or 0.0 for item in inputs]
     return {
         "method": LINKAGE_METHODS.index(scene.method.scheme),
         "max_iterations": scene.method.iterations,
         "limit": float(scene.residual_limit),
         "divisions": scene.divisions,
         "rows": scene.divisions + 1,
-        "origin": [float(given.start) for given in inputs],
-        "span": [float(span_of(given)) for given in inputs],
+        "origin": [float(item.start) for item in inputs],
+        "span": [float(span_of(item)) for item in inputs],
         "turns": [int(n) if n.is_integer() else 0 for n in turns],
-        "rate": [float(given.rate) for given in inputs],
-        "rate_dot": [float(given.acceleration) for given in inputs],
+        "rate": [float(item.rate) for item in inputs],
+        "rate_dot": [float(item.acceleration) for item in inputs],
     }
 
 
@@ -79,16 +79,16 @@ def _curves(layout: WorkspaceLayout, block: DiagonalBlock) -> list[dict[str, Any
     """Curves that bend the equations of a block.
 
     ε1 alone is |d| = l. With ε2 or ε3 it is one of two rows of d = l (cos β, sin β), turned by a
-    constant angle, and where all three are there, ε3 − ε2 is linear: it adds the other angle.
+    constant angle; with all three, ε3 − ε2 is linear: it adds the other angle.
     """
     rows, curves = set(block.rows), []
-    for row, (number, which) in enumerate(block.rows):
+    for row, (number, deformation) in enumerate(block.rows):
         element = layout.assembly.elements[number]
-        angles = [element.ends[place] for k, place in ((1, 2), (2, 5)) if (number, k) in rows]
+        angles = [element.ends[index] for k, index in ((1, 2), (2, 5)) if (number, k) in rows]
         x1, y1, _, x2, y2, _ = element.ends
         x, y = [(-1, x1), (1, x2)], [(-1, y1), (1, y2)]
         curves.append(_curve(layout, row, element, x=x, y=y, angle=angles[:1]))
-        if which == 2 and len(angles) == 2:
+        if deformation == 2 and len(angles) == 2:
             curves.append(_curve(layout, row, element, x=[], y=[], angle=angles[1:]))
     return curves
 
@@ -102,7 +102,7 @@ def _curve(
     y: Sequence[tuple[int, Affine]],
     angle: Sequence[Affine],
 ) -> dict[str, Any]:
-    """Curve by which a link bends a row, with places and factors of the terms that move."""
+    """Curve by which a link bends a row, with indices and factors of the terms that move."""
     sums = {"x": x, "y": y, "angle": [(1, term) for term in angle]}
     moving = {
         name: [

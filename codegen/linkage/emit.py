@@ -1,4 +1,4 @@
-"""Emit a linkage: its segments and tables as of a scene of bodies, and the analysis beside them."""
+"""Emission of a linkage: segments and tables as of a scene of bodies, and the analysis beside."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ TEMPLATES = {
     "solver.py": "linkage/solver.py.jinja",
     "__init__.py": "linkage/__init__.py.jinja",
 }
-#: What runs segments in Python, what results are made of, and what checks options.
+#: Modules that run segments in Python, that results use, and that check options.
 SHARED = tuple(f"integrate/{name}.py" for name in ("__init__", "result", "run_arguments", "tasks"))
 
 
@@ -46,7 +46,7 @@ def emit_linkage(
     program : Program
         The segments of the blocks and of the outputs.
     layout : WorkspaceLayout
-        What they were composed of.
+        Layout that they were composed of.
     more : mapping of str to str
         Further files, such as reference values.
 
@@ -69,11 +69,11 @@ def emit_linkage(
         "regions": regions,
         "meanings": [(name, REGIONS[name]) for name, _, _ in regions],
         "places": enumerators({f"W_{name.upper()}": base for name, base, _ in regions}),
-        "segments": [segment_text(program, one, slots) for one in program.segments],
+        "segments": [segment_text(program, segment, slots) for segment in program.segments],
     }
     python = {
         "kernels": list(python_kernels(program)),
-        "segments": [python_segment(program, one) for one in program.segments],
+        "segments": [python_segment(program, segment) for segment in program.segments],
     }
     data = linkage_data(program, layout)
     analysis = runtime_sources(LINKAGE_LIBRARY, *SHARED, MESSAGES)

@@ -30,7 +30,7 @@ _ZERO = Fraction(0)
 
 
 class Exact:
-    """The blocks and outputs of a linkage at one motion: D ẋ = ν, D ẍ = γ.
+    """Blocks and outputs of a linkage at one motion: D ẋ = ν, D ẍ = γ.
 
     Equations are those of Yamada and Tatsumi (1981). Lengths are in the unit of the scene, angles
     in rad, nodes in frame O.
@@ -42,9 +42,9 @@ class Exact:
     arithmetic : Arithmetic
         The numbers that ``motion`` holds.
     motion : mapping of str to sequence
-        The inputs of the kernels of the outputs, those of them that are needed.
+        The inputs of the kernels whose outputs are needed.
     constant : callable
-        Makes a number of a constant of the scene, given its name and its value.
+        Number of a constant of the scene, from its name and its value.
     """
 
     def __init__(
@@ -71,10 +71,10 @@ class Exact:
                 "D": [slope.get(u, zero) for _, slope in values for u in block.unknowns],
             }
         if order == 1:
-            return {"nu": [-self._carried(element, row, number, 1) for element, row in rows]}
-        bent = [self._bent(element, row) for element, row in rows]
-        carried = [self._carried(element, row, number, 2) for element, row in rows]
-        return {"gamma": [-(c + b) for c, b in zip(carried, bent, strict=True)]}
+            return {"nu": [-self._known_term(element, row, number, 1) for element, row in rows]}
+        curvatures = [self._curvature(element, row) for element, row in rows]
+        known_terms = [self._known_term(element, row, number, 2) for element, row in rows]
+        return {"gamma": [-(c + b) for c, b in zip(known_terms, curvatures, strict=True)]}
 
     def nodes(self) -> dict[str, list[Any]]:
         """Outputs of the kernel ``nodes``, (2 nodes,): positions, and (24), (25)."""
@@ -92,7 +92,7 @@ class Exact:
         if not self.layout.is_moving(term):
             fixed = term.factor * coordinate.start if coordinate.role is Role.FIXED else _ZERO
             return self.constant(("fixed", term), term.offset + fixed if order == 0 else _ZERO)
-        name, index = self.layout.everywhere[term.coordinate]
+        name, index = self.layout.locations[term.coordinate]
         moving = self.motion[name + SUFFIXES[order]][index]
         if term.factor != 1:
             moving = moving * self.constant(("factor", term), term.factor)
@@ -101,13 +101,13 @@ class Exact:
         return moving + self.constant(("offset", term), term.offset)
 
     def _element(self, element: LinkElement, row: int, order: int) -> dict[str, tuple[Any, ...]]:
-        """Evaluate the link element alone, with the ends that one of its rows needs."""
+        """Outputs of the link element alone, with the ends that one of its rows needs."""
         zero = self.arithmetic.number(_ZERO)
         inputs = {"length": [self.constant(("length", element.name), element.length)]}
         for name, k in (("x", 0), ("x_dot", 1))[: order + 1]:
             inputs[name] = [
-                self.term(term, k) if place in DEPENDS[row] else zero
-                for place, term in enumerate(element.ends)
+                self.term(term, k) if index in DEPENDS[row] else zero
+                for index, term in enumerate(element.ends)
             ]
         if order == 0:
             inputs["offset"] = [zero, zero]
@@ -118,33 +118,33 @@ class Exact:
         """Deformation ε of a row and its derivatives by coordinates."""
         values = self._element(element, row, 0)
         slope: dict[int, Any] = {}
-        for place in DEPENDS[row]:
-            term = element.ends[place]
-            part = values["D"][6 * row + place]
+        for index in DEPENDS[row]:
+            term = element.ends[index]
+            derivative = values["D"][6 * row + index]
             if term.factor != 1:
-                part = part * self.constant(("factor", term), term.factor)
-            known = slope.get(term.coordinate)
-            slope[term.coordinate] = part if known is None else known + part
+                derivative = derivative * self.constant(("factor", term), term.factor)
+            total = slope.get(term.coordinate)
+            slope[term.coordinate] = derivative if total is None else total + derivative
         return values["epsilon"][row], slope
 
-    def _carried(self, element: LinkElement, row: int, number: int, order: int) -> Any:
-        """Product of D and the derivatives of coordinates that are known before the block."""
+    def _known_term(self, element: LinkElement, row: int, number: int, order: int) -> Any:
+        """Product of D and the derivatives of the coordinates that earlier blocks solved."""
         unknowns = self.layout.blocks[number].unknowns
         values = self._element(element, row, 0)
         total = self.arithmetic.number(_ZERO)
-        for place in DEPENDS[row]:
-            term = element.ends[place]
+        for index in DEPENDS[row]:
+            term = element.ends[index]
             if term.coordinate not in unknowns:
-                total = total + values["D"][6 * row + place] * self.term(term, order)
+                total = total + values["D"][6 * row + index] * self.term(term, order)
         return total
 
-    def _bent(self, element: LinkElement, row: int) -> Any:
+    def _curvature(self, element: LinkElement, row: int) -> Any:
         return self._element(element, row, 1)["D_dot_x_dot"][row]
 
     def _angle(self, link: str) -> tuple[Any, Any, Any]:
         """Angle β, β̇ = t · ḋ / l and β̈ = (t · d̈ − 2 l̇ β̇) / l."""
-        places = {name: (x, y) for name, x, y in self.layout.assembly.nodes}
-        first, second = (places[node] for node in self.layout.assembly.scene.links[link].nodes)
+        terms = {name: (x, y) for name, x, y in self.layout.assembly.nodes}
+        first, second = (terms[node] for node in self.layout.assembly.scene.links[link].nodes)
         (dx, dy), (vx, vy), (ax, ay) = (
             [self.term(b, k) - self.term(a, k) for a, b in zip(first, second, strict=True)]
             for k in range(3)
@@ -152,5 +152,5 @@ class Exact:
         length = self.arithmetic.sqrt(dx * dx + dy * dy)
         c, s = dx / length, dy / length
         rate, stretch = (c * vy - s * vx) / length, c * vx + s * vy
-        turn = (c * ay - s * ax - (rate + rate) * stretch) / length
-        return self.arithmetic.atan2(dy, dx), rate, turn
+        acceleration = (c * ay - s * ax - (rate + rate) * stretch) / length
+        return self.arithmetic.atan2(dy, dx), rate, acceleration

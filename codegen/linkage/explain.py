@@ -24,15 +24,15 @@ class LinkageExplanation:
     Parameters
     ----------
     name : str
-        The scene.
+        Name of the scene.
     inputs : int
-        How many inputs.
+        Count of the inputs.
     blocks : tuple of (int, int)
         Unknowns and rows of each block, in the order of solving.
     kernels : tuple of (str, int)
         Operations of each kernel.
     findings : tuple of str
-        What was merged, dropped or left out on the way, a sentence each.
+        Notes on merged, dropped and omitted parts, a sentence each.
     """
 
     name: str
@@ -92,7 +92,7 @@ def explain_linkage(scene: Scene) -> LinkageExplanation:
 
 
 def _left_out(layout: WorkspaceLayout) -> Iterator[str]:
-    """Finding about unknowns that no block finds: rotations, as all nodes are wanted."""
+    """Finding about unknowns of no block: rotations, as all nodes are wanted."""
     names = [layout.assembly.coordinates[c].name for c in layout.left_out]
     if names:
         yield f"rotations left out, on which nothing that is asked for depends: {listed(names)}"

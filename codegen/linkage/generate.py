@@ -1,9 +1,9 @@
-"""From a scene of nodes to the folder of its solver, stage after stage; SymPy is never started.
+"""Stages from a scene of nodes to the folder of its solver; SymPy is never started.
 
 ``assemble``: Scene → Assembly
     Coordinates, links between them, known and unknown parts.
 ``layout_of``: Assembly → WorkspaceLayout
-    Equations in block-triangular order, only what is wanted; where everything stands.
+    Equations in block-triangular order, as far as outputs need them; indices of all numbers.
 ``program_of``: WorkspaceLayout → Program
     The frozen link element, block by block: constants bound, in functions of the workspace.
 ``emit_linkage``: Program → {file: text}
@@ -23,7 +23,7 @@ from kousoku.codegen.linkage.kernels import block_kernels
 from kousoku.codegen.linkage.layout import WorkspaceLayout
 from kousoku.codegen.linkage.outputs import angle_kernel, node_kernel
 from kousoku.codegen.linkage.reference import reference_values
-from kousoku.codegen.linkage.solution import places
+from kousoku.codegen.linkage.solution import positions_of
 from kousoku.model.files.manifest import REFERENCE_FILE
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 
 def layout_of(assembly: Assembly) -> WorkspaceLayout:
-    """Equations of an assembly block by block, and the places of all numbers."""
+    """Equations of an assembly block by block, and the indices of all numbers."""
     wanted = [term.coordinate for _, x, y in assembly.nodes for term in (x, y)]
     blocks = live_blocks(assembly, triangular_blocks(assembly), wanted)
     return WorkspaceLayout(assembly, blocks)
@@ -61,7 +61,7 @@ def program_of(layout: WorkspaceLayout) -> Program:
 
 
 def _segment(layout: WorkspaceLayout, number: int, kernel: Kernel) -> Segment:
-    """Segment that a kernel of the whole workspace is."""
+    """Segment of one kernel of the whole workspace."""
     slots = tuple(layout.regions[quantity.name].base for quantity in kernel.outputs)
     contents = (*wrap(kernel.title, 92), kernel.source)
     return Segment(kernel.name, (Task(number, (0,), slots),), contents, kernel.formula)
@@ -89,7 +89,7 @@ def generate_linkage(scene: Scene, *, references: bool = False) -> dict[str, str
     """
     layout = layout_of(assemble(scene))
     program = program_of(layout)
-    more = {}
+    data = {}
     if references:
-        more[REFERENCE_FILE] = reference_values(program, layout, places(layout))
-    return emit_linkage(program, layout, more)
+        data[REFERENCE_FILE] = reference_values(program, layout, positions_of(layout))
+    return emit_linkage(program, layout, data)

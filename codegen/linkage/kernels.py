@@ -1,7 +1,7 @@
-"""Compose the kernels of a linkage from the frozen link element: no link is derived twice.
+"""Kernels of a linkage, composed from the frozen link element: no link is derived twice.
 
-The kernels of a block take the workspace and read its own unknowns there, and what is known by
-then; see :mod:`kousoku.codegen.linkage.layout`.
+The kernels of a block take the workspace and read the block's unknowns there, and the coordinates
+that earlier blocks solved; see :mod:`kousoku.codegen.linkage.layout`.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def block_kernels(layout: WorkspaceLayout, number: int) -> tuple[Kernel, Kernel,
     position : Kernel
         ``epsilon`` (n,) and ``D`` (n, n), its derivatives by the block's own unknowns, (20).
     velocity : Kernel
-        ``nu`` (n,) with D ẋ = nu: what the coordinates that are known by then contribute, (22).
+        ``nu`` (n,) with D ẋ = nu: the contribution of the coordinates known by then, (22).
     acceleration : Kernel
         ``gamma`` (n,) with D ẍ = gamma: likewise, and −Ḋ ẋ of all coordinates, (23), (25).
     """
@@ -60,13 +60,13 @@ def block_kernels(layout: WorkspaceLayout, number: int) -> tuple[Kernel, Kernel,
     )
 
 
-def _places(element: LinkElement, row: int, derivatives: Sequence[int]) -> list[tuple[Affine, int]]:
-    """Ends that one row depends on, each with the derivative by it."""
-    return [(element.ends[place], derivatives[6 * row + place]) for place in DEPENDS[row]]
+def _slopes(element: LinkElement, row: int, derivatives: Sequence[int]) -> list[tuple[Affine, int]]:
+    """End coordinates that one row depends on, each with the derivative by it."""
+    return [(element.ends[index], derivatives[6 * row + index]) for index in DEPENDS[row]]
 
 
 class _Composer:
-    """One kernel of one block while it grows."""
+    """Composer of one kernel of one block."""
 
     def __init__(self, layout: WorkspaceLayout, number: int) -> None:
         self.layout = layout
@@ -85,7 +85,7 @@ class _Composer:
             element = self.layout.assembly.elements[number]
             link = self._inline("deformation", element, row)
             epsilon.append(link["epsilon"][row])
-            gradient = self._gradient(_places(element, row, link["D"]))
+            gradient = self._gradient(_slopes(element, row, link["D"]))
             matrix += [gradient.get(u, self.graph.const(0)) for u in self.block.unknowns]
         unit = self.layout.assembly.scene.unit
         return self._kernel(
@@ -100,7 +100,7 @@ class _Composer:
         )
 
     def velocity(self) -> Kernel:
-        rows = [self._carried(number, row, 1) for number, row in self.block.rows]
+        rows = [self._known_term(number, row, 1) for number, row in self.block.rows]
         return self._kernel(
             "velocity",
             f"Right-hand side of the velocities of {self.title}",
@@ -114,7 +114,7 @@ class _Composer:
         for number, row in self.block.rows:
             element = self.layout.assembly.elements[number]
             link = self._inline("rate", element, row)
-            carried = self._carried(number, row, 2)
+            carried = self._known_term(number, row, 2)
             rows.append(self.graph.sub(carried, link["D_dot_x_dot"][row]))
         return self._kernel(
             "acceleration",
@@ -128,38 +128,38 @@ class _Composer:
         unit = self.layout.assembly.scene.unit + per
         return Quantity(name, (len(self.block.rows),), unit, "right-hand side")
 
-    def _carried(self, number: int, row: int, order: int) -> int:
+    def _known_term(self, number: int, row: int, order: int) -> int:
         """Product of −D and the derivatives of the coordinates that are known by now."""
         element = self.layout.assembly.elements[number]
         link = self._inline("deformation", element, row)
         total = self.graph.const(0)
-        for term, derivative in _places(element, row, link["D"]):
+        for term, derivative in _slopes(element, row, link["D"]):
             if term.coordinate not in self.block.unknowns:
                 motion = self.layout.node(self.graph, term, order)
                 total = self.graph.sub(total, self.graph.mul(derivative, motion))
         return total
 
-    def _gradient(self, places: Sequence[tuple[Affine, int]]) -> dict[int, int]:
-        """Derivatives by coordinates, given those by the ends of the link."""
+    def _gradient(self, terms: Sequence[tuple[Affine, int]]) -> dict[int, int]:
+        """Derivatives by coordinates, from those by the ends of the link."""
         gradient: dict[int, int] = {}
-        for term, derivative in places:
-            part = self.graph.mul(self.graph.const(term.factor), derivative)
-            known = gradient.get(term.coordinate, self.graph.const(0))
-            gradient[term.coordinate] = self.graph.add(known, part)
+        for term, derivative in terms:
+            product = self.graph.mul(self.graph.const(term.factor), derivative)
+            total = gradient.get(term.coordinate, self.graph.const(0))
+            gradient[term.coordinate] = self.graph.add(total, product)
         return gradient
 
     def _inline(self, kernel: str, element: LinkElement, row: int) -> dict[str, list[int]]:
-        """Rebuild a kernel of the link element here, with the ends and the length of a link.
+        """Outputs of a kernel of the link element in this graph, for the ends and length of a link.
 
-        Ends that a row does not depend on are zero: nothing of the other rows is kept.
+        Ends that a row does not depend on are zero: the other rows leave nothing in the graph.
         """
         used = DEPENDS[row]
         zero = self.graph.const(0)
         inputs = {"length": [self.graph.const(element.length)], "offset": [zero, zero]}
         for name, order in (("x", 0), ("x_dot", 1)):
             inputs[name] = [
-                self.layout.node(self.graph, term, order) if place in used else zero
-                for place, term in enumerate(element.ends)
+                self.layout.node(self.graph, term, order) if index in used else zero
+                for index, term in enumerate(element.ends)
             ]
         return substitute(self.graph, link_kernels()[kernel], inputs)
 

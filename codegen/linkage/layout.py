@@ -1,7 +1,7 @@
-"""Places of the coordinates of a linkage in the workspace of its program.
+"""Layout of the coordinates of a linkage in the workspace of its program.
 
 Inputs are ``alpha`` and unknowns, block after block, ``x``: the parts of (18) and (19). Their first
-and second derivatives follow, then what the segments of a block leave, and the results.
+and second derivatives follow, then residuals, matrix and right-hand sides of a block, and results.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     from kousoku.model.operations.graph import Graph
 
 SUFFIXES = ("", "_dot", "_ddot")
-#: What the segments of a block leave beside its matrix.
+#: Regions of the results of a block beside its matrix.
 OF_BLOCKS = ("epsilon", "nu", "gamma")
-#: What the regions hold; of a block, that which ran last.
+#: Contents of the regions; regions of blocks hold those of the block that ran last.
 REGIONS = {
     "alpha": "inputs, in the order of the scene",
     "x": "unknowns, block after block",
@@ -47,18 +47,18 @@ REGIONS = {
 
 @dataclass(frozen=True, slots=True)
 class WorkspaceLayout:
-    """The order of everything.
+    """Layout of blocks, unknowns and regions.
 
     Parameters
     ----------
     assembly : Assembly
-        What is solved.
+        Linkage that is solved.
     blocks : tuple of DiagonalBlock
         In the order of solving.
     unknowns : tuple of int
         The unknown coordinates, block after block.
-    everywhere : mapping of int to (str, int)
-        Where each coordinate stands in ``alpha`` or ``x``.
+    locations : mapping of int to (str, int)
+        Array, ``alpha`` or ``x``, and index of each coordinate.
     regions : mapping of str to Region
         The parts of the workspace, in order: those of :data:`REGIONS` that the scene needs.
     """
@@ -66,15 +66,15 @@ class WorkspaceLayout:
     assembly: Assembly
     blocks: tuple[DiagonalBlock, ...]
     unknowns: tuple[int, ...] = field(init=False)
-    everywhere: Mapping[int, tuple[str, int]] = field(init=False)
+    locations: Mapping[int, tuple[str, int]] = field(init=False)
     regions: Mapping[str, Region] = field(init=False)
 
     def __post_init__(self) -> None:
         unknowns = tuple(unknown for block in self.blocks for unknown in block.unknowns)
-        places = (("alpha", self.assembly.inputs), ("x", unknowns))
-        everywhere = {c: (name, k) for name, members in places for k, c in enumerate(members)}
+        regions = (("alpha", self.assembly.inputs), ("x", unknowns))
+        locations = {c: (name, k) for name, members in regions for k, c in enumerate(members)}
         object.__setattr__(self, "unknowns", unknowns)
-        object.__setattr__(self, "everywhere", everywhere)
+        object.__setattr__(self, "locations", locations)
         object.__setattr__(self, "regions", self._regions())
 
     def _regions(self) -> dict[str, Region]:
@@ -99,10 +99,10 @@ class WorkspaceLayout:
 
     @property
     def left_out(self) -> tuple[int, ...]:
-        """The unknown coordinates that no block finds, as nothing that is wanted needs them."""
-        every = enumerate(self.assembly.coordinates)
-        unknown = (number for number, one in every if one.role is Role.UNKNOWN)
-        return tuple(number for number in unknown if number not in self.everywhere)
+        """Unknown coordinates of no block, as no output needs them."""
+        numbered = enumerate(self.assembly.coordinates)
+        unknown = (number for number, coordinate in numbered if coordinate.role is Role.UNKNOWN)
+        return tuple(number for number in unknown if number not in self.locations)
 
     @property
     def size(self) -> int:
@@ -120,8 +120,8 @@ class WorkspaceLayout:
         return bool(term.factor) and role is not Role.FIXED
 
     def place_of(self, coordinate: int) -> int:
-        """Place of a coordinate among the inputs and, after them, the unknowns."""
-        name, index = self.everywhere[coordinate]
+        """Index of a coordinate among the inputs and, after them, the unknowns."""
+        name, index = self.locations[coordinate]
         return index if name == "alpha" else len(self.assembly.inputs) + index
 
     def node(self, graph: Graph, term: Affine, order: int) -> int:
@@ -130,7 +130,7 @@ class WorkspaceLayout:
         if not self.is_moving(term):
             fixed = term.factor * coordinate.start if coordinate.role is Role.FIXED else 0
             return graph.const(term.offset + fixed if order == 0 else 0)
-        name, index = self.everywhere[term.coordinate]
+        name, index = self.locations[term.coordinate]
         moving = graph.input("x0", self.regions[name + SUFFIXES[order]].base + index)
         scaled = graph.mul(graph.const(term.factor), moving)
         return graph.add(scaled, graph.const(term.offset)) if order == 0 else scaled

@@ -1,4 +1,4 @@
-"""The kernels that turn coordinates into outputs: motions of nodes, angles of links."""
+"""Kernels of the outputs of a linkage: motions of nodes, angles of links."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ def node_kernel(layout: WorkspaceLayout) -> Kernel:
     names = ", ".join(name for name, _, _ in assembly.nodes)
     unit, shape = assembly.scene.unit, (len(assembly.nodes), 2)
     outputs, results = [], []
-    for order, (name, per, what) in enumerate(MOTIONS):
-        outputs.append(Quantity(name, shape, unit + per, f"{what} of {names} in frame O"))
+    for order, (name, per, meaning) in enumerate(MOTIONS):
+        outputs.append(Quantity(name, shape, unit + per, f"{meaning} of {names} in frame O"))
         terms = [term for _, x, y in assembly.nodes for term in (x, y)]
         results.append(tuple(layout.node(graph, term, order) for term in terms))
     return drop_dead(
@@ -58,8 +58,8 @@ def angle_kernel(layout: WorkspaceLayout) -> Kernel:
     columns = [_angle(layout, graph, name) for name in layout.assembly.scene.links]
     names = ", ".join(layout.assembly.scene.links)
     outputs = tuple(
-        Quantity(name, (len(columns),), f"rad{per}", f"{what} of links {names}")
-        for name, per, what in (
+        Quantity(name, (len(columns),), f"rad{per}", f"{meaning} of links {names}")
+        for name, per, meaning in (
             ("angle", "", "angles"),
             ("angle_dot", "/s", "angular velocities"),
             ("angle_ddot", "/s^2", "angular accelerations"),
@@ -81,8 +81,8 @@ def angle_kernel(layout: WorkspaceLayout) -> Kernel:
 
 def _angle(layout: WorkspaceLayout, g: Graph, link: str) -> tuple[int, int, int]:
     """Angle β, β̇ = d × v / l² and β̈ = (d × a − 2 (d · v) β̇) / l² of a link."""
-    places = {name: (x, y) for name, x, y in layout.assembly.nodes}
-    first, second = (places[node] for node in layout.assembly.scene.links[link].nodes)
+    terms = {name: (x, y) for name, x, y in layout.assembly.nodes}
+    first, second = (terms[node] for node in layout.assembly.scene.links[link].nodes)
     (dx, dy), (vx, vy), (ax, ay) = (
         tuple(
             g.sub(
@@ -95,6 +95,6 @@ def _angle(layout: WorkspaceLayout, g: Graph, link: str) -> tuple[int, int, int]
     )
     square = g.add(g.mul(dx, dx), g.mul(dy, dy))
     rate = g.div(g.sub(g.mul(dx, vy), g.mul(dy, vx)), square)
-    along = g.mul(g.const(2), g.mul(g.add(g.mul(dx, vx), g.mul(dy, vy)), rate))
-    turn = g.div(g.sub(g.sub(g.mul(dx, ay), g.mul(dy, ax)), along), square)
-    return g.atan2(dy, dx), rate, turn
+    coriolis = g.mul(g.const(2), g.mul(g.add(g.mul(dx, vx), g.mul(dy, vy)), rate))
+    acceleration = g.div(g.sub(g.sub(g.mul(dx, ay), g.mul(dy, ax)), coriolis), square)
+    return g.atan2(dy, dx), rate, acceleration

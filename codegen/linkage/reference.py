@@ -1,4 +1,4 @@
-"""Reference values of a linkage: on the way of the mechanism, beside it, and at NaN."""
+"""Reference values of a linkage: along its motion, beside it, and at NaN."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     #: For each input of the kernels its doubles.
     Numbers = dict[str, tuple[float, ...]]
 
-#: Every so many steps of the way a reference is taken.
-EVERY = 2
-#: How far points lie from the way, relative to each number: rounding, and anywhere.
+#: Stride of the positions that are references.
+STRIDE = 2
+#: Distances of points from the motion, relative to each number: of rounding, and larger.
 BESIDE = ((2.0**-33, "near"), (0.25, "away from"))
 
 
@@ -40,13 +40,13 @@ class ReferencePoint:
     Parameters
     ----------
     label : str
-        Why the point is there.
+        Kind of the point.
     numbers : dict of str to tuple of float
         ``alpha``, ``x`` and their derivatives.
     block : int, optional
         The block whose segments alone are evaluated.
     nan : (str, int), optional
-        What is NaN instead: its first unknown.
+        The number that is NaN instead: the first unknown of the block.
     """
 
     label: str
@@ -56,7 +56,7 @@ class ReferencePoint:
 
 
 def reference_values(
-    program: Program, layout: WorkspaceLayout, found: Sequence[LinkagePosition]
+    program: Program, layout: WorkspaceLayout, positions: Sequence[LinkagePosition]
 ) -> str:
     """Text of the reference values.
 
@@ -66,24 +66,26 @@ def reference_values(
     return to_text(
         {
             "format": REFERENCE_FORMATS["linkage"],
-            "points": [_row(program, layout, point) for point in _points(layout, found[::EVERY])],
+            "points": [
+                _row(program, layout, point) for point in _points(layout, positions[::STRIDE])
+            ],
             "exact": [kernel.name for kernel in program.kernels if kernel.is_exact],
-            "solution": solution(layout, found),
+            "solution": solution(layout, positions),
         }
     )
 
 
-def _points(layout: WorkspaceLayout, found: Sequence[LinkagePosition]) -> list[ReferencePoint]:
-    """Points, the last ones each with a number that is NaN."""
+def _points(layout: WorkspaceLayout, positions: Sequence[LinkagePosition]) -> list[ReferencePoint]:
+    """Points; each of the last ones has a number that is NaN."""
     points = [
         ReferencePoint(
-            f"{place.part} of the way",
-            {name: tuple(map(float, values)) for name, values in place.motion.items()},
+            f"{position.part} of the way",
+            {name: tuple(map(float, values)) for name, values in position.motion.items()},
         )
-        for place in found
+        for position in positions
     ]
-    if not found:
-        points.append(ReferencePoint("the positions of the scene", _given(layout)))
+    if not positions:
+        points.append(ReferencePoint("the positions of the scene", _start_numbers(layout)))
     for index, point in enumerate(list(points)):
         size, where = BESIDE[index % len(BESIDE)]
         points.append(
@@ -98,7 +100,7 @@ def _points(layout: WorkspaceLayout, found: Sequence[LinkagePosition]) -> list[R
     return points
 
 
-def _given(layout: WorkspaceLayout) -> Numbers:
+def _start_numbers(layout: WorkspaceLayout) -> Numbers:
     coordinates = layout.assembly.coordinates
     numbers = {
         "alpha": tuple(float(coordinates[c].start) for c in layout.assembly.inputs),
@@ -111,18 +113,18 @@ def _given(layout: WorkspaceLayout) -> Numbers:
 
 
 def _scattered(numbers: Numbers, size: float, seed: int) -> Numbers:
-    """Numbers that are off by parts of ``size``; zeros move by it too."""
+    """Numbers with relative changes of up to ``size``, absolute ones of zeros."""
     golden = 0.6180339887498949
     count = seed
-    moved: dict[str, tuple[float, ...]] = {}
+    scattered: dict[str, tuple[float, ...]] = {}
     for name, values in numbers.items():
         row = []
         for value in values:
             count += 1
             step = 2 * math.fmod(count * golden, 1.0) - 1
             row.append(value * (1 + size * step) if value else size * step)
-        moved[name] = tuple(row)
-    return moved
+        scattered[name] = tuple(row)
+    return scattered
 
 
 def _row(program: Program, layout: WorkspaceLayout, point: ReferencePoint) -> dict[str, object]:
@@ -131,12 +133,12 @@ def _row(program: Program, layout: WorkspaceLayout, point: ReferencePoint) -> di
     duals = {n: [variable(x, (n, k)) for k, x in enumerate(xs)] for n, xs in high.items()}
     sizes: dict[object, Any] = {(n, k): abs(x) for n, xs in high.items() for k, x in enumerate(xs)}
     inputs: dict[str, list[object]] = {n: list(xs) for n, xs in point.numbers.items()}
-    bad = []
+    nonfinite = []
     if point.nan is not None:
-        # Where a number is NaN, any number shows which outputs depend on it.
-        name, place = point.nan
-        inputs[name][place] = "nan"
-        bad.append(point.nan)
+        # In place of NaN, any number shows which outputs depend on it.
+        name, index = point.nan
+        inputs[name][index] = "nan"
+        nonfinite.append(point.nan)
 
     def constant(name: object, value: Fraction) -> Dual:
         sizes[name] = abs(HIGH.number(value))
@@ -152,5 +154,5 @@ def _row(program: Program, layout: WorkspaceLayout, point: ReferencePoint) -> di
             values = exact.block(int(number) - 1, OF_NODES.index(order))
         else:
             values = exact.nodes() if order == "nodes" else exact.angles()
-        outputs[kernel.name] = {name: columns(x, sizes, bad) for name, x in values.items()}
+        outputs[kernel.name] = {name: columns(x, sizes, nonfinite) for name, x in values.items()}
     return {"label": point.label, "inputs": inputs, "outputs": outputs}

@@ -1,4 +1,4 @@
-"""Merge the rotations of links that a rigid connection, or an input, ties together."""
+"""Rotations of links at nodes, merged where a rigid connection or an input ties them together."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class NodeRotation:
-    """A rotation at a node: of one link where it is hinged, of several where they are rigid.
+    """Rotation at a node: of one link where it is hinged, of several where they are rigid.
 
     β of each link in frame O, Yamada and Tatsumi (1981), (10) and (11), is that of the first + its
     angle.
@@ -22,7 +22,7 @@ class NodeRotation:
     Parameters
     ----------
     node : str
-        Where.
+        The node.
     links : tuple of str
         The links that turn together; the angle of the first is the coordinate.
     angles : tuple of Fraction [rad], (links,)
@@ -44,31 +44,31 @@ def merge_rotations(scene: Scene, notes: list[str]) -> tuple[NodeRotation, ...]:
         for name, item in scene.inputs.items()
         if item.link is not None and item.about is not None
     }
-    found: list[NodeRotation] = []
+    rotations: list[NodeRotation] = []
     for node in scene.nodes:
-        seen: set[str] = set()
+        merged: set[str] = set()
         for link in (name for name, item in scene.links.items() if node in item.nodes):
-            if link in seen:
+            if link in merged:
                 continue
             angles = _tied(scene, node, link)
-            seen |= angles.keys()
+            merged |= angles.keys()
             rotation = _from_input(node, angles, inputs)
             if len(angles) > 1:
                 notes.append(
                     f"rotations of {', '.join(rotation.links)} at {node} merged: rigid connection"
                 )
             if len(angles) > 1 or not scene.is_ground(link):
-                found.append(rotation)
-    return tuple(found)
+                rotations.append(rotation)
+    return tuple(rotations)
 
 
 def _tied(scene: Scene, node: str, first: str) -> dict[str, Fraction]:
     """Links tied to ``first`` at a node, each with its angle from ``first``."""
     angles = {first: Fraction(0)}
-    waiting = [first]
+    queue = [first]
     used: set[str] = set()
-    while waiting:
-        link = waiting.pop(0)
+    while queue:
+        link = queue.pop(0)
         for key, rigid in scene.rigid.items():
             if rigid.at != node or link not in rigid.links or key in used:
                 continue
@@ -76,7 +76,7 @@ def _tied(scene: Scene, node: str, first: str) -> dict[str, Fraction]:
             for other in rigid.links:
                 if other != link:
                     angles[other] = angles[link] + _angle(scene, key, link, other)
-                    waiting.append(other)
+                    queue.append(other)
     return angles
 
 
@@ -108,5 +108,5 @@ def _from_input(
     """Rotation whose first link is the one that is prescribed, if any is."""
     first = next((link for link in angles if (link, node) in inputs), next(iter(angles)))
     links = (first, *(link for link in angles if link != first))
-    turned = tuple(angles[link] - angles[first] for link in links)
-    return NodeRotation(node, links, turned, inputs.get((first, node), ""))
+    relative = tuple(angles[link] - angles[first] for link in links)
+    return NodeRotation(node, links, relative, inputs.get((first, node), ""))

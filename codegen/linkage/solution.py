@@ -1,4 +1,4 @@
-"""The motion of a linkage in 50 digits: where references are taken."""
+"""Motion of a linkage in 50 digits, at the positions of its references."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ if TYPE_CHECKING:
     from kousoku.model.numbers.precise import High
     from kousoku.model.records.planar import Input
 
-#: Steps over the way of the inputs.
+#: Count of steps over the range of the inputs.
 STEPS = 10
-#: How often a step may be halved before it is said to meet a dead centre.
+#: Halvings of a step at most: a step that needs more meets a dead centre.
 HALVINGS = 8
-#: A correction this small, relative to the largest length, is the last.
+#: Size of the last correction, relative to the largest length.
 DONE = CONTEXT.mpf(10) ** -40
 MOST_CORRECTIONS = 60
 
 
 @dataclass(frozen=True, slots=True)
 class LinkagePosition:
-    """A position of the linkage with its motion.
+    """Position of the linkage with its motion.
 
     Parameters
     ----------
     part : Fraction
-        How much of the way of the inputs is done.
+        Fraction of the range of the inputs.
     motion : dict of str to list
         The inputs of the kernels, in 50 digits.
     """
@@ -44,54 +44,57 @@ class LinkagePosition:
     motion: dict[str, list[High]]
 
 
-def span_of(given: Input) -> Fraction:
-    """Way of an input until the last division."""
-    if given.to is not None:
-        return Fraction(given.to) - Fraction(given.start)
-    return 2 * HALF_TURN * Fraction(turns_of(given) or 0)
+def span_of(item: Input) -> Fraction:
+    """Range of an input until the last division."""
+    if item.to is not None:
+        return Fraction(item.to) - Fraction(item.start)
+    return 2 * HALF_TURN * Fraction(turns_of(item) or 0)
 
 
-def places(layout: WorkspaceLayout) -> list[LinkagePosition]:
-    """Linkage at every step of its way, up to a dead centre; empty if it never fits."""
+def positions_of(layout: WorkspaceLayout) -> list[LinkagePosition]:
+    """Positions at the steps of the inputs, up to a dead centre; empty if it never fits."""
     start = [HIGH.number(layout.assembly.coordinates[u].start) for u in layout.unknowns]
-    found: list[LinkagePosition] = []
+    positions: list[LinkagePosition] = []
     try:
-        here = _placed(layout, Fraction(0), start)
-        first_sides = _sides(layout, here)
-        while _sides(layout, here) == first_sides:  # else past a dead centre, on another branch
-            part = Fraction(len(found), STEPS)
+        motion = _placed(layout, Fraction(0), start)
+        first_sides = _sides(layout, motion)
+        while _sides(layout, motion) == first_sides:  # else past a dead centre, on another branch
+            fraction = Fraction(len(positions), STEPS)
             for order, name in ((1, "x_dot"), (2, "x_ddot")):
-                here[name] = _derivatives(layout, here, order)
-            found.append(LinkagePosition(part, here))
-            if part == 1:
+                motion[name] = _derivatives(layout, motion, order)
+            positions.append(LinkagePosition(fraction, motion))
+            if fraction == 1:
                 break
-            here = _advanced(layout, here, part, part + Fraction(1, STEPS), HALVINGS)
+            motion = _advanced(layout, motion, fraction, fraction + Fraction(1, STEPS), HALVINGS)
     except (ArithmeticError, ValueError):
-        pass  # the way ends here
-    return found
+        pass  # the motion ends here
+    return positions
 
 
-def solution(layout: WorkspaceLayout, found: Sequence[LinkagePosition]) -> dict[str, object]:
-    """Solution that the solver of the scene must give, as data.
+def solution(layout: WorkspaceLayout, positions: Sequence[LinkagePosition]) -> dict[str, object]:
+    """Solution that the solver of the scene must compute, as data.
 
     Motions of the nodes at some of :data:`STEPS` divisions, rounded to doubles. Where a block has
     more than two unknowns only the first position is sure to be on the branch of the scene.
     """
-    kept = found if max(len(block.unknowns) for block in layout.blocks) <= 2 else found[:1]
-    nodes = [_exact(layout, place.motion).nodes() for place in kept]
+    largest = max(len(block.unknowns) for block in layout.blocks)
+    compared = positions if largest <= 2 else positions[:1]
+    nodes = [_exact(layout, position.motion).nodes() for position in compared]
     return {
         "divisions": STEPS,
-        "rows": [int(place.part * STEPS) for place in kept],
+        "rows": [int(position.part * STEPS) for position in compared],
         **{name: [[float(x) for x in row[name]] for row in nodes] for name in OF_NODES},
     }
 
 
-def _inputs(layout: WorkspaceLayout, part: Fraction) -> tuple[list[High], list[High], list[High]]:
-    given = tuple(layout.assembly.scene.inputs.values())
+def _inputs(
+    layout: WorkspaceLayout, fraction: Fraction
+) -> tuple[list[High], list[High], list[High]]:
+    inputs = tuple(layout.assembly.scene.inputs.values())
     return (
-        [HIGH.number(Fraction(item.start) + part * span_of(item)) for item in given],
-        [HIGH.number(Fraction(item.rate)) for item in given],
-        [HIGH.number(Fraction(item.acceleration)) for item in given],
+        [HIGH.number(Fraction(item.start) + fraction * span_of(item)) for item in inputs],
+        [HIGH.number(Fraction(item.rate)) for item in inputs],
+        [HIGH.number(Fraction(item.acceleration)) for item in inputs],
     )
 
 
@@ -117,20 +120,20 @@ def _positions(layout: WorkspaceLayout, motion: dict[str, list[High]]) -> list[H
     length = HIGH.number(Fraction(layout.assembly.scene.largest_length))
     first = 0
     for number, block in enumerate(layout.blocks):
-        part = slice(first, first + len(block.unknowns))
+        unknowns = slice(first, first + len(block.unknowns))
         for _ in range(MOST_CORRECTIONS):
-            here = _exact(layout, motion).block(number, 0)
-            correction = _solve(here, here["epsilon"])
-            before, size = motion["x"][part], max(map(abs, here["epsilon"]))
+            equations = _exact(layout, motion).block(number, 0)
+            correction = _solve(equations, equations["epsilon"])
+            before, size = motion["x"][unknowns], max(map(abs, equations["epsilon"]))
             factor = CONTEXT.one
             while True:
-                motion["x"][part] = [
+                motion["x"][unknowns] = [
                     a - factor * c for a, c in zip(before, correction, strict=True)
                 ]
                 if max(map(abs, correction)) < DONE * length:
                     break
-                there = _exact(layout, motion).block(number, 0)
-                if max(map(abs, there["epsilon"])) <= (1 - factor / 4) * size:
+                trial = _exact(layout, motion).block(number, 0)
+                if max(map(abs, trial["epsilon"])) <= (1 - factor / 4) * size:
                     break
                 factor /= 2
                 if factor < DONE:
@@ -139,13 +142,13 @@ def _positions(layout: WorkspaceLayout, motion: dict[str, list[High]]) -> list[H
                 break
         else:
             raise ArithmeticError("no convergence")
-        first = part.stop
+        first = unknowns.stop
     return motion["x"]
 
 
-def _placed(layout: WorkspaceLayout, part: Fraction, near: list[High]) -> dict[str, list[High]]:
-    """Motion at a part of the way, its position the one that Newton finds from near."""
-    alpha, alpha_dot, alpha_ddot = _inputs(layout, part)
+def _placed(layout: WorkspaceLayout, fraction: Fraction, near: list[High]) -> dict[str, list[High]]:
+    """Motion at a fraction of the range, its position from Newton iterations that start near."""
+    alpha, alpha_dot, alpha_ddot = _inputs(layout, fraction)
     motion = {"alpha": alpha, "x": near, "alpha_dot": alpha_dot, "alpha_ddot": alpha_ddot}
     return {**motion, "x": _positions(layout, motion)}
 
@@ -166,11 +169,11 @@ def _advanced(
     """
     predicted = _predicted(layout, motion, end - part)
     try:
-        there = _placed(layout, end, predicted)
-        if _is_near(layout, motion["x"], predicted, there["x"]):
-            return there
+        reached = _placed(layout, end, predicted)
+        if _is_near(layout, motion["x"], predicted, reached["x"]):
+            return reached
     except (ArithmeticError, ValueError):
-        pass  # too long a step, or no way on
+        pass  # too long a step, or no motion beyond
     if not halvings:
         raise ArithmeticError("a dead centre")
     middle = (part + end) / 2
@@ -179,11 +182,11 @@ def _advanced(
 
 
 def _is_near(
-    layout: WorkspaceLayout, x: list[High], predicted: list[High], found: list[High]
+    layout: WorkspaceLayout, x: list[High], predicted: list[High], corrected: list[High]
 ) -> bool:
-    """Whether the correction is small beside the motion: else another branch may be near."""
+    """Whether the correction is small beside the step: else another branch may be near."""
     scales = [HIGH.number(layout.assembly.coordinates[u].scale) for u in layout.unknowns]
-    pairs = list(zip(scales, x, predicted, found, strict=True))
+    pairs = list(zip(scales, x, predicted, corrected, strict=True))
     moved = max((abs(s * (p - a)) for s, a, p, _ in pairs), default=CONTEXT.zero)
     missed = max((abs(s * (b - p)) for s, _, p, b in pairs), default=CONTEXT.zero)
     length = HIGH.number(Fraction(layout.assembly.scene.largest_length))
@@ -191,7 +194,7 @@ def _is_near(
 
 
 def _sides(layout: WorkspaceLayout, motion: dict[str, list[High]]) -> list[bool]:
-    """Side of a dead centre on which each block is."""
+    """Side of a dead centre for each block: the sign of det D."""
     exact = _exact(layout, motion)
     sides = []
     for number, block in enumerate(layout.blocks):
@@ -208,19 +211,19 @@ def _derivatives(layout: WorkspaceLayout, motion: dict[str, list[High]], order: 
     for number, block in enumerate(layout.blocks):
         exact = _exact(layout, motion)
         (right,) = exact.block(number, order).values()
-        part = slice(first, first + len(block.unknowns))
-        motion[name][part] = _solve(exact.block(number, 0), right)
-        first = part.stop
+        unknowns = slice(first, first + len(block.unknowns))
+        motion[name][unknowns] = _solve(exact.block(number, 0), right)
+        first = unknowns.stop
     return motion[name]
 
 
 def _predicted(
     layout: WorkspaceLayout, motion: dict[str, list[High]], step: Fraction
 ) -> list[High]:
-    """Coordinates x about a step on, given as a part of the way, (26)."""
+    """Coordinates x predicted for the next step, a fraction of the range, (26)."""
     spans = [step * span_of(item) for item in layout.assembly.scene.inputs.values()]
-    along = {**motion, "alpha_dot": [HIGH.number(span) for span in spans]}
-    along["alpha_ddot"] = [CONTEXT.zero] * len(spans)
-    along["x_dot"] = _derivatives(layout, along, 1)
-    bend = _derivatives(layout, along, 2)
-    return [x + v + a / 2 for x, v, a in zip(motion["x"], along["x_dot"], bend, strict=True)]
+    per_step = {**motion, "alpha_dot": [HIGH.number(span) for span in spans]}
+    per_step["alpha_ddot"] = [CONTEXT.zero] * len(spans)
+    per_step["x_dot"] = _derivatives(layout, per_step, 1)
+    x_ddot = _derivatives(layout, per_step, 2)
+    return [x + v + a / 2 for x, v, a in zip(motion["x"], per_step["x_dot"], x_ddot, strict=True)]

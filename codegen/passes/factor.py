@@ -1,4 +1,4 @@
-"""Take common factors out of sums: a·b + a·c becomes a·(b + c)."""
+"""Common factors of sums, taken out: a·b + a·c becomes a·(b + c)."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SUMS = frozenset({Op.ADD, Op.SUB})
 
 
 def factor(kernel: Kernel) -> Kernel:
-    """Take common factors out of sums, the factor of most terms first.
+    """Kernel with common factors taken out of sums, the factor of most terms first.
 
     A factor that is taken out of k terms saves k − 1 multiplications. Sums and products that
     something else uses, or that have a name, stay as they are.
@@ -92,7 +92,7 @@ def _commonest_factor(terms: Sequence[Term]) -> int | None:
 
 
 def _factored_sum(graph: Graph, terms: Sequence[Term]) -> int:
-    """Build a sum with its common factors taken out; a group stands where its first term stood."""
+    """Node of a sum with common factors taken out; a group takes the position of its first term."""
     common = _commonest_factor(terms)
     if common is None:
         total = graph.const(0)
@@ -104,13 +104,13 @@ def _factored_sum(graph: Graph, terms: Sequence[Term]) -> int:
         return total
     inside: list[Term] = []
     outside: list[Term] = []
-    place = 0
+    insertion = 0
     for sign, factors in terms:
         if common in factors and len(factors) > 1:
-            at = factors.index(common)
-            place = place if inside else len(outside)
-            inside.append((sign, factors[:at] + factors[at + 1 :]))
+            index = factors.index(common)
+            insertion = insertion if inside else len(outside)
+            inside.append((sign, factors[:index] + factors[index + 1 :]))
         else:
             outside.append((sign, factors))
-    outside.insert(place, (1, (common, _factored_sum(graph, inside))))
+    outside.insert(insertion, (1, (common, _factored_sum(graph, inside))))
     return _factored_sum(graph, outside)

@@ -17,5 +17,5 @@ PASSES = (drop_dead, factor)
 
 
 def optimise(kernel: Kernel) -> tuple[Kernel, PassTrace]:
-    """Kernel that computes the same with less, and the trace of how."""
+    """Kernel of the same results with fewer operations, and the trace of its passes."""
     return run_passes(kernel, PASSES)

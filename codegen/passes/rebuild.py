@@ -1,4 +1,4 @@
-"""Build a kernel again in a fresh graph: the walk that every pass shares."""
+"""Kernels rebuilt in a fresh graph: the walk that every pass shares."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def live_ids(nodes: Sequence[OperationNode[int]], wanted: Iterable[int]) -> list[int]:
-    """Ids, in topological order, of all that ``wanted`` needs."""
+    """Ids, in topological order, of all nodes that ``wanted`` needs."""
     is_live = [False] * len(nodes)
     for node in wanted:
         is_live[node] = True
@@ -27,7 +27,7 @@ def live_ids(nodes: Sequence[OperationNode[int]], wanted: Iterable[int]) -> list
 
 
 def copy_node(graph: Graph, node: OperationNode[int], new_ids: Mapping[int, int]) -> int:
-    """Rebuild one node in ``graph``; its operands were rebuilt before."""
+    """Copy of one node in ``graph``; its operands were copied before."""
     if node.op is Op.CONST:
         assert node.value is not None
         return graph.const(node.value)
@@ -40,7 +40,7 @@ def copy_node(graph: Graph, node: OperationNode[int], new_ids: Mapping[int, int]
 def substitute(
     graph: Graph, kernel: Kernel, inputs: Mapping[str, Sequence[int]]
 ) -> dict[str, list[int]]:
-    """Rebuild a kernel in ``graph`` with nodes of it in place of the inputs.
+    """Outputs of a kernel that is rebuilt in ``graph``, with nodes of it in place of the inputs.
 
     Returns
     -------
@@ -61,14 +61,14 @@ def substitute(
 
 
 def finish(kernel: Kernel, graph: Graph, new_ids: Mapping[int, int]) -> Kernel:
-    """``kernel`` with the nodes of ``graph``: dead ones dropped, the rest renumbered.
+    """``kernel`` with the nodes of ``graph``: dead ones dropped, the others renumbered.
 
     Parameters
     ----------
     kernel : Kernel
         The kernel whose results and names are carried over.
     graph : Graph
-        What a pass built.
+        Graph that a pass built.
     new_ids : mapping of int to int
         For each old node that is still wanted its node in ``graph``.
     """
@@ -98,9 +98,9 @@ def drop_dead(kernel: Kernel) -> Kernel:
 
 def with_outputs(kernel: Kernel, names: Sequence[str]) -> Kernel:
     """Kernel of some outputs alone, without the nodes that only others need."""
-    found = {quantity.name: k for k, quantity in enumerate(kernel.outputs)}
-    outputs = tuple(kernel.outputs[found[name]] for name in names)
-    results = tuple(kernel.results[found[name]] for name in names)
+    indices = {quantity.name: k for k, quantity in enumerate(kernel.outputs)}
+    outputs = tuple(kernel.outputs[indices[name]] for name in names)
+    results = tuple(kernel.results[indices[name]] for name in names)
     return drop_dead(replace(kernel, outputs=outputs, results=results))
 
 

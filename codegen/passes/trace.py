@@ -41,17 +41,17 @@ def run_passes(
 ) -> tuple[Kernel, PassTrace]:
     """Apply passes one after the other, and record the savings of each."""
     records = []
-    for one in passes:
-        better = one(kernel)
+    for apply_pass in passes:
+        result = apply_pass(kernel)
         records.append(
             PassRecord(
-                name=one.__name__,
+                name=apply_pass.__name__,
                 operations_before=kernel.operations.total(),
-                operations_after=better.operations.total(),
-                bytes_after=BYTES_OF_A_DOUBLE * most_alive(better),
+                operations_after=result.operations.total(),
+                bytes_after=BYTES_OF_A_DOUBLE * most_alive(result),
             )
         )
-        kernel = better
+        kernel = result
     return kernel, tuple(records)
 
 

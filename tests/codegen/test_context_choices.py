@@ -10,7 +10,7 @@ import pytest
 
 import kousoku.generated.kinds
 from kousoku.codegen.context import package_context
-from kousoku.codegen.context_choices import together
+from kousoku.codegen.context_choices import merged_kernel
 from kousoku.codegen.kernel_json import load_frozen, shipped_kinds
 from kousoku.generated.kinds import p1, p2
 from kousoku.model.operations.interpret import ARRAY, evaluate
@@ -26,7 +26,7 @@ def test_together_each_choice_gives_its_own_bits(
     kind: str, name: str, rng: np.random.Generator
 ) -> None:
     family = [k for k in load_frozen(kind).kernels if k.name.startswith(name)]
-    merged = together(family)
+    merged = merged_kernel(family)
     assert len(merged.nodes) < sum(len(kernel.nodes) for kernel in family)
     values = {q.name: list(rng.normal(size=q.size)) for q in merged.inputs}
     count = len(family[0].outputs)

@@ -1,12 +1,12 @@
 """Equations of a scene from its definitions, for comparison with the results of a solver.
 
-Each body of the scene is for itself: m v̇ = F and I′ ω̇′ = N′ − ω̃′ I′ ω′, with forces, joints,
-drivers and coordinates as the scene gives them, each by its geometric definition. Nothing is
-merged, put into a plane, put onto a joint or left out, and no kernel, operation or composition has
-a part in it: what these do wrong shows. A residual C along a motion,
-:mod:`~kousoku.codegen.dynamics.operations.jets`, tells Ċ and C̈, and by Ċ = C_q v − ν and
-C̈ = C_q v̇ − γ all that is needed of it. Of a kind of one's own C is what its kernel computes, there
-is no other definition; its Jacobian, ν and γ have no part in it.
+Each body of the scene has its own equations, m v̇ = F and I′ ω̇′ = N′ − ω̃′ I′ ω′, with forces,
+joints, drivers and coordinates as the scene gives them, each by its geometric definition. Nothing
+is merged, put into a plane, put onto a joint or left out, and no kernel, operation or composition
+has a part in it: their faults show. A residual C along a motion,
+:mod:`~kousoku.codegen.dynamics.operations.jets`, comes with Ċ and C̈, from which C_q, ν and γ
+follow by Ċ = C_q v − ν and C̈ = C_q v̇ − γ. Of a kind of one's own C is what its kernel computes,
+there is no other definition; the Jacobian, ν and γ of its kernels have no part in it.
 """
 
 from __future__ import annotations
@@ -104,37 +104,37 @@ class Course:
         self.r, self.p = r, p
 
     @classmethod
-    def of(cls, pose: BodyState, rates: Sequence[Real], second: Sequence[Real]) -> Course:
+    def of(cls, pose: BodyState, rates: Sequence[Real], v_dot: Sequence[Real]) -> Course:
         """Course of a body with v, ω′ and v̇, ω̇′; p̈ = ½ (ṗ ∘ (0, ω′) + p ∘ (0, ω̇′)).
 
         Parameters
         ----------
         pose : BodyState
-            Where it is; its velocities are not looked at.
-        rates, second : (6,) [m/s, rad/s], [m/s², rad/s²]
+            Its r and p; its velocities are not used.
+        rates, v_dot : (6,) [m/s, rad/s], [m/s², rad/s²]
             v and v̇ in frame O, ω′ and ω̇′ in the principal frame.
         """
-        r = [Jet(x, rates[k], second[k]) for k, x in enumerate(pose.r)]
-        omega, alpha = (0, *rates[3:]), (0, *second[3:])
-        first = [x / 2 for x in quaternion_product(pose.p, omega)]
-        halves = zip(
-            quaternion_product(first, omega), quaternion_product(pose.p, alpha), strict=True
+        r = [Jet(x, rates[k], v_dot[k]) for k, x in enumerate(pose.r)]
+        omega, alpha = (0, *rates[3:]), (0, *v_dot[3:])
+        p_dot = [x / 2 for x in quaternion_product(pose.p, omega)]
+        terms = zip(
+            quaternion_product(p_dot, omega), quaternion_product(pose.p, alpha), strict=True
         )
         return cls(
-            r, [Jet(x, d, (a + b) / 2) for x, d, (a, b) in zip(pose.p, first, halves, strict=True)]
+            r, [Jet(x, d, (a + b) / 2) for x, d, (a, b) in zip(pose.p, p_dot, terms, strict=True)]
         )
 
     def with_rates(self, rates: Sequence[Real]) -> Course:
-        """Course from the same place with other constant v [m/s] and ω′ [rad/s], (6,)."""
-        here = BodyState([x.x for x in self.r], [x.x for x in self.p], (), ())
-        return Course.of(here, rates, [0] * 6)
+        """Course through the same pose at other, constant v [m/s] and ω′ [rad/s], (6,)."""
+        pose = BodyState([x.x for x in self.r], [x.x for x in self.p], (), ())
+        return Course.of(pose, rates, [0] * 6)
 
     def vector(self, a: Sequence[Real]) -> JetVector:
         """Vector A a′ (3,) in frame O, of a′ (3,) in the principal frame, in its unit."""
         return rotated(self.p, [Jet(x) for x in a])
 
     def point(self, s: Sequence[Real]) -> JetVector:
-        """Place r + A s′ (3,) [m] in frame O, of a point s′ (3,) [m] in the principal frame."""
+        """Position r + A s′ (3,) [m] in frame O, of a point s′ (3,) [m] in the principal frame."""
         x, y, z = (a + b for a, b in zip(self.r, self.vector(s), strict=True))
         return x, y, z
 
@@ -150,13 +150,13 @@ class Found:
     potential, kinetic : number [J]
         Energies.
     powers : dict of str to number [W]
-        Of forces, by name, as far as their work is no potential energy.
+        Powers of forces, by name, where their work is no potential energy.
     sizes : list of number [J]
-        The parts that the energies are added up from.
+        Terms of the sums that the energies are.
     steepness : sequence (n,) of float [N, N m]
-        Changes of the force where the state moves, by the part of its reach.
+        Changes of f per relative change of the state.
     time : number [s]
-        When that is.
+        Time of the state.
     """
 
     force: list[Real]
@@ -177,7 +177,7 @@ class ConstraintRow:
     instance : Instance
         The joint or driver.
     value, nu, gamma : number [m or rad, per s, per s²]
-        C, and what C_q v and C_q v̇ are.
+        C, and the right sides of C_q v = ν and C_q v̇ = γ on the constraints.
     jacobian : dict of int to number
         C_q by column: δr [m] in frame O, δθ′ [rad] in the principal frame.
     """
@@ -201,17 +201,18 @@ class BodyEquations:
     system : System
         The scene, all of whose numbers are fixed.
     digits : FormulaArithmetic
-        What is computed with.
+        Arithmetic of all numbers: doubles or 50 digits.
     """
 
     def __init__(self, system: System, digits: FormulaArithmetic[Any] = HIGH) -> None:
         self.system, self.digits = system, digits
         self.bodies = system.bodies
-        #: The first column of each body, and their count.
-        self.starts = [*accumulate((3 if body.is_point else 6 for body in self.bodies), initial=0)]
-        self.count = self.starts[-1]
+        #: The first column of each body, then the count of all columns.
+        sizes = (3 if body.is_point else 6 for body in self.bodies)
+        self._first_columns = [*accumulate(sizes, initial=0)]
+        self.count = self._first_columns[-1]
         self._ground = Course([self._jet(0)] * 3, [self._jet(x) for x in (1, 0, 0, 0)])
-        self._read: dict[tuple[str, tuple[str, ...]], Expression] = {}
+        self._formulas: dict[tuple[str, tuple[str, ...]], Expression] = {}
 
     def _jet(self, x: float) -> Jet:
         return Jet(self.digits.number(x))
@@ -219,186 +220,204 @@ class BodyEquations:
     def _numbers(self, values: Sequence[float]) -> list[Real]:
         return [self.digits.number(x) for x in values]
 
-    def own(self, body: int) -> range:
+    def columns_of(self, body: int) -> range:
         """Columns of a body: δr [m] in frame O, δθ′ [rad] in the principal frame, if it turns."""
-        return range(self.starts[body], self.starts[body + 1])
+        return range(self._first_columns[body], self._first_columns[body + 1])
 
     def inertia(self) -> list[Real]:
         """Diagonal of M (n,) [kg, kg m²]: m and the principal moments."""
-        parts = ([b.mass] * 3 + ([] if b.is_point else list(b.inertia)) for b in self.bodies)
-        return self._numbers([x for part in parts for x in part])
+        diagonals = (
+            [body.mass] * 3 + ([] if body.is_point else list(body.inertia)) for body in self.bodies
+        )
+        return self._numbers([x for diagonal in diagonals for x in diagonal])
 
     def rates(self, poses: Sequence[BodyState]) -> list[Real]:
         """Velocities v (n,) [m/s, rad/s] of all bodies, (ṙ, ω′) of each."""
         pairs = zip(self.bodies, poses, strict=True)
-        return [x for body, one in pairs for x in (*one.v, *(() if body.is_point else one.omega_b))]
+        return [
+            x for body, pose in pairs for x in (*pose.v, *(() if body.is_point else pose.omega_b))
+        ]
 
     def course(
-        self, body: int, pose: BodyState, rates: Sequence[Real], second: Sequence[Real]
+        self, body: int, pose: BodyState, rates: Sequence[Real], v_dot: Sequence[Real]
     ) -> Course:
-        """Course of a body, given v (n,) and v̇ (n,) of all."""
-        own = self.own(body)
-        parts = [[values[k] for k in own] + [0] * (6 - len(own)) for values in (rates, second)]
-        return Course.of(pose, *parts)
+        """Course of a body, from v (n,) and v̇ (n,) of all."""
+        columns = self.columns_of(body)
+        local = [
+            [values[k] for k in columns] + [0] * (6 - len(columns)) for values in (rates, v_dot)
+        ]
+        return Course.of(pose, *local)
 
     def courses(
         self,
         bodies: Sequence[int],
         poses: Sequence[BodyState],
         rates: Sequence[Real],
-        second: Sequence[Real],
+        v_dot: Sequence[Real],
     ) -> dict[int, Course]:
-        """Courses of some bodies, of the ground too, given v (n,) and v̇ (n,) of all."""
+        """Courses of some bodies and of the ground, from v (n,) and v̇ (n,) of all."""
         moving = [k for k in bodies if k != GROUND_INDEX]
-        found = {k: self.course(k, poses[k], rates, second) for k in moving}
-        return {GROUND_INDEX: self._ground, **found}
+        courses = {k: self.course(k, poses[k], rates, v_dot) for k in moving}
+        return {GROUND_INDEX: self._ground, **courses}
 
-    # What is measured.
+    # Coordinates.
 
-    def coordinate(self, place: int, at: Mapping[int, Course]) -> Jet:
+    def coordinate(self, index: int, courses: Mapping[int, Course]) -> Jet:
         """Value u [m, rad or -]: an angle with its turns, a displacement, a distance, a cosine."""
-        one = self.system.coordinates[place]
-        own = {name: self._numbers(values) for name, values in one.constants}
-        i, j = at[one.i], at[one.j]
-        (value,) = facets_of_kind(one.kind).residuals(i, j, own, self.digits)
-        if not one.counts_turns:
+        coordinate = self.system.coordinates[index]
+        constants = {name: self._numbers(values) for name, values in coordinate.constants}
+        i, j = courses[coordinate.i], courses[coordinate.j]
+        (value,) = facets_of_kind(coordinate.kind).residuals(i, j, constants, self.digits)
+        if not coordinate.counts_turns:
             return value
         turn = 8 * self.digits.atan(self.digits.number(1))
-        count = round(float((self.digits.number(one.near) - value.x) / turn))
+        count = round(float((self.digits.number(coordinate.near) - value.x) / turn))
         return value + Jet(turn * count)
 
-    def _residuals(self, one: Instance, at: Mapping[int, Course], time: Real) -> Sequence[Jet]:
-        """Residuals, zero where a joint or driver holds."""
-        own = {name: self._numbers(values) for name, values in one.constants}
-        if one.is_combination:
-            total = self._jet(one.offset)
-            for term in one.terms:
+    def _residuals(
+        self, instance: Instance, courses: Mapping[int, Course], time: Real
+    ) -> Sequence[Jet]:
+        """Residuals C of a joint or driver, zero where it holds."""
+        constants = {name: self._numbers(values) for name, values in instance.constants}
+        if instance.is_combination:
+            total = self._jet(instance.offset)
+            for term in instance.terms:
                 factor = self.digits.number(term.factor)
-                total += self.coordinate(term.coordinate, at).times(factor)
-            if one.law:
-                law = self.value(one.law, {TIME: Jet(time, self.digits.number(1))})
-                total -= law.times(self.digits.number(one.law_unit))
+                total += self.coordinate(term.coordinate, courses).times(factor)
+            if instance.law:
+                law = self.value(instance.law, {TIME: Jet(time, self.digits.number(1))})
+                total -= law.times(self.digits.number(instance.law_unit))
             return (total,)
-        if is_own(one.kind):
-            return self._own(one, at)
-        kind = facets_of_kind(one.kind)
-        return kind.residuals(at[one.i], at[one.j], own, self.digits)
+        if is_own(instance.kind):
+            return self._user_residuals(instance, courses)
+        kind = facets_of_kind(instance.kind)
+        return kind.residuals(courses[instance.i], courses[instance.j], constants, self.digits)
 
-    def _own(self, one: Instance, at: Mapping[int, Course]) -> Sequence[Jet]:
-        """C of a kind of one's own: its definition is that of its kernels.
+    def _user_residuals(self, instance: Instance, courses: Mapping[int, Course]) -> Sequence[Jet]:
+        """Residuals C of a kind of one's own, which its kernel ``constraint`` defines.
 
-        It is taken in the frames that it is stated in. What follows of it, C_q, ν and γ, is found
-        here anew.
+        The kernel takes the frames that the kind is stated in. C_q, ν and γ follow from C here,
+        and not from the kernels.
         """
-        own = {name: [Jet(x) for x in self._numbers(values)] for name, values in one.constants}
-        inputs = {name.removeprefix(PREFIX): values for name, values in own.items() if is_own(name)}
-        for body, place in zip("ij", (one.i, one.j), strict=True):
-            course, origin = at[place], dict(one.constants)[f"origin_{body}"]
+        constants = {
+            name: [Jet(x) for x in self._numbers(values)] for name, values in instance.constants
+        }
+        inputs = {
+            name.removeprefix(PREFIX): values for name, values in constants.items() if is_own(name)
+        }
+        for body, index in zip("ij", (instance.i, instance.j), strict=True):
+            course, origin = courses[index], dict(instance.constants)[f"origin_{body}"]
             inputs[f"r_{body}"] = [*course.point(self._numbers(origin))]
-            inputs[f"p_{body}"] = [*quaternion_product(course.p, own[f"frame_{body}"])]
-        kernel = next(k for k in load_frozen(one.kind).kernels if k.name == "constraint")
+            inputs[f"p_{body}"] = [*quaternion_product(course.p, constants[f"frame_{body}"])]
+        kernel = next(k for k in load_frozen(instance.kind).kernels if k.name == "constraint")
         return evaluate(with_outputs(kernel, ["C"]), inputs, arithmetic_of(self.digits))["C"]
 
     def value(self, text: str, names: Mapping[str, Jet]) -> Jet:
-        """Value of a formula of these names and the parameters."""
+        """Value of a formula in these names and the parameters."""
         known = {name: self._jet(x) for name, x in self.system.parameters} | dict(names)
         key = text, tuple(known)
-        if key not in self._read:
-            self._read[key] = parse_expression(text, known, longest=len(text))
-        return formula(self._read[key], known, self.digits)
+        if key not in self._formulas:
+            self._formulas[key] = parse_expression(text, known, longest=len(text))
+        return formula(self._formulas[key], known, self.digits)
 
     # The constraints.
 
-    def lines(self, poses: Sequence[BodyState], time: Real) -> list[ConstraintRow]:
-        """Rows C, ν, γ, C_q of all joints and drivers, those too that depend on others."""
-        rates, rest = self.rates(poses), [self.digits.number(0)] * self.count
-        found: list[ConstraintRow] = []
-        for one in self.system.constraints:
-            bodies = [body for body in one.bodies if body != GROUND_INDEX]
-            at = self.courses(bodies, poses, rates, rest)
-            along = self._residuals(one, at, time)
-            at_rest = self.courses(bodies, poses, rest, rest)
-            still = self._residuals(one, at_rest, time)
-            own = [
-                ConstraintRow(one, c.x, -s.d, -c.dd, {}) for c, s in zip(along, still, strict=True)
+    def constraint_rows(self, poses: Sequence[BodyState], time: Real) -> list[ConstraintRow]:
+        """Rows C, ν, γ, C_q of all joints and drivers, dependent rows included."""
+        rates, zeros = self.rates(poses), [self.digits.number(0)] * self.count
+        rows: list[ConstraintRow] = []
+        for instance in self.system.constraints:
+            bodies = [body for body in instance.bodies if body != GROUND_INDEX]
+            courses = self.courses(bodies, poses, rates, zeros)
+            moving = self._residuals(instance, courses, time)
+            resting_courses = self.courses(bodies, poses, zeros, zeros)
+            resting = self._residuals(instance, resting_courses, time)
+            instance_rows = [
+                ConstraintRow(instance, c.x, -s.d, -c.dd, {})
+                for c, s in zip(moving, resting, strict=True)
             ]
-            for column, ahead_at in self.each_column(at_rest):
-                ahead = self._residuals(one, ahead_at, time)
-                for line, a, s in zip(own, ahead, still, strict=True):
-                    line.jacobian[column] = a.d - s.d
-            found += own
-        return found
+            for column, unit_courses in self.each_column(resting_courses):
+                unit_rates = self._residuals(instance, unit_courses, time)
+                for row, a, s in zip(instance_rows, unit_rates, resting, strict=True):
+                    row.jacobian[column] = a.d - s.d
+            rows += instance_rows
+        return rows
 
-    def each_column(self, at: Mapping[int, Course]) -> Iterator[tuple[int, dict[int, Course]]]:
-        """Columns of bodies one by one, with the courses where that velocity alone is one."""
+    def each_column(self, courses: Mapping[int, Course]) -> Iterator[tuple[int, dict[int, Course]]]:
+        """Columns of the bodies, each with the courses where its velocity is one, others zero."""
         zeros = [self.digits.number(0)] * 6
-        at_rest = {body: course.with_rates(zeros) for body, course in at.items()}
-        for body, course in at_rest.items():
-            for k, column in enumerate(self.own(body) if body != GROUND_INDEX else ()):
+        resting = {body: course.with_rates(zeros) for body, course in courses.items()}
+        for body, course in resting.items():
+            for k, column in enumerate(self.columns_of(body) if body != GROUND_INDEX else ()):
                 rates = [self.digits.number(k == n) for n in range(6)]
-                yield column, {**at_rest, body: course.with_rates(rates)}
+                yield column, {**resting, body: course.with_rates(rates)}
 
     # The forces.
 
     def loads(self, poses: Sequence[BodyState], time: Real) -> Found:
         """Forces f (n,), applied less velocity forces ω̃′I′ω′, and the energies [J]."""
-        rates, rest = self.rates(poses), [self.digits.number(0)] * self.count
-        found = Found([*rest], time=time)
-        at = self.courses(range(len(poses)), poses, rates, rest)
-        fall = self._fall()
+        rates, zeros = self.rates(poses), [self.digits.number(0)] * self.count
+        loads = Found([*zeros], time=time)
+        courses = self.courses(range(len(poses)), poses, rates, zeros)
+        gravity = self._gravity()
         for k, (body, pose) in enumerate(zip(self.bodies, poses, strict=True)):
-            self._weigh(body, pose, fall, self.own(k), found)
+            self._add_body(body, pose, gravity, self.columns_of(k), loads)
         for force in self.system.forces:
-            self._act(force, at, time, found)
-        return found
+            self._add_force(force, courses, time, loads)
+        return loads
 
-    def _fall(self) -> list[Real]:
-        """Acceleration of free fall."""
+    def _gravity(self) -> list[Real]:
+        """Gravity g (3,) [m/s²], frame O."""
         unit = self.digits.number(self.system.unit)
         pairs = zip(self.system.gravity, self.system.gravity_law, strict=True)
         return [
             self.value(text, {}).x * unit if text else self.digits.number(x) for x, text in pairs
         ]
 
-    def _weigh(
-        self, body: MovingBody, pose: BodyState, fall: Sequence[Real], own: range, found: Found
+    def _add_body(
+        self,
+        body: MovingBody,
+        pose: BodyState,
+        gravity: Sequence[Real],
+        columns: range,
+        loads: Found,
     ) -> None:
         """Add weight, −ω̃′ I′ ω′ and the energies of a body: ½ m v·v + ½ ω′·I′ω′ and −m g·r."""
         mass = self.digits.number(body.mass)
         kinetic = mass * sum(x * x for x in pose.v) / 2
-        potential = -mass * sum(g * x for g, x in zip(fall, pose.r, strict=True))
+        potential = -mass * sum(g * x for g, x in zip(gravity, pose.r, strict=True))
         for k in range(3):
-            found.force[own[k]] += mass * fall[k]
+            loads.force[columns[k]] += mass * gravity[k]
         if not body.is_point:
             spin = [
                 self.digits.number(a) * b for a, b in zip(body.inertia, pose.omega_b, strict=True)
             ]
             kinetic += sum(a * b for a, b in zip(spin, pose.omega_b, strict=True)) / 2
             for k, x in enumerate(cross(pose.omega_b, spin)):
-                found.force[own[3 + k]] -= x
-        found.kinetic += kinetic
-        found.potential += potential
-        found.sizes += [kinetic, potential]
+                loads.force[columns[3 + k]] -= x
+        loads.kinetic += kinetic
+        loads.potential += potential
+        loads.sizes += [kinetic, potential]
 
-    def _act(
+    def _add_force(
         self,
         force: ForceElement,
-        at: Mapping[int, Course],
+        courses: Mapping[int, Course],
         time: Real,
-        found: Found,
+        loads: Found,
     ) -> None:
         """Add a force, its power, and its potential energy."""
-        names = self._names(at, time)
-        given = self._given(force, names)
-        power, energy = facets_of(force).by_definition(self, at, names, given, found)
+        names = self._formula_names(courses, time)
+        constants = self._constants(force, names)
+        power, energy = facets_of(force).by_definition(self, courses, names, constants, loads)
         if force.works:
-            found.powers[force.name] = found.powers.get(force.name, 0) + power
+            loads.powers[force.name] = loads.powers.get(force.name, 0) + power
         if force.has_potential:
-            found.potential += energy
-            found.sizes.append(energy)
+            loads.potential += energy
+            loads.sizes.append(energy)
 
-    def _given(self, force: ForceElement, names: Mapping[str, Jet]) -> dict[str, list[Real]]:
-        """Constants of a force, times their formulas."""
+    def _constants(self, force: ForceElement, names: Mapping[str, Jet]) -> dict[str, list[Real]]:
+        """Constants of a force, each times its formula where it has one."""
         texts = dict(force.formulas)
         return {
             name: [
@@ -409,63 +428,63 @@ class BodyEquations:
         }
 
     def elongation(
-        self, force: ForceElement, at: Mapping[int, Course], time: Real, *, is_length: bool
+        self, force: ForceElement, courses: Mapping[int, Course], time: Real, *, is_length: bool
     ) -> Jet:
-        """Elongation that the law of a spring is of, or the distance of its ends; in its unit."""
-        given = self._given(force, self._names(at, time))
-        value, free = facets_of(force).length_by_definition(self, at, given)
+        """Elongation that a spring's law takes, or the distance of its ends; in its unit."""
+        constants = self._constants(force, self._formula_names(courses, time))
+        value, free_length = facets_of(force).length_by_definition(self, courses, constants)
         if not is_length:
-            value -= Jet(free)
-        (unit,) = given.get("unit", self._numbers((1,)))
+            value -= Jet(free_length)
+        (unit,) = constants.get("unit", self._numbers((1,)))
         return value.times(1 / unit)
 
-    def _names(self, at: Mapping[int, Course], time: Real) -> dict[str, Jet]:
+    def _formula_names(self, courses: Mapping[int, Course], time: Real) -> dict[str, Jet]:
         """Values of the names that formulas may use, in the unit of the scene."""
         names = {TIME: Jet(time, self.digits.number(1))}
-        for place, one in enumerate(self.system.coordinates):
-            value = self.coordinate(place, at)
-            if is_length(one.kind):
+        for index, coordinate in enumerate(self.system.coordinates):
+            value = self.coordinate(index, courses)
+            if is_length(coordinate.kind):
                 value = value.times(1 / self.digits.number(self.system.unit))
-            names |= {one.name: value, f"{one.name}{RATE}": Jet(value.d)}
+            names |= {coordinate.name: value, f"{coordinate.name}{RATE}": Jet(value.d)}
         return names
 
     def apply_force(
-        self, body: int, at: Course, arm: Sequence[Real], force: Sequence[Real], found: Found
+        self, body: int, course: Course, arm: Sequence[Real], force: Sequence[Real], loads: Found
     ) -> None:
         """Add a force F (3,) [N] in frame O that acts on a point s′ (3,) [m]: F, and s′ × AᵀF."""
         if body == GROUND_INDEX:
             return
-        own = self.own(body)
-        torque = cross(arm, rotated_back([x.x for x in at.p], force))
-        for k, x in zip(own, (*force, *torque), strict=False):
-            found.force[k] += x
+        columns = self.columns_of(body)
+        torque = cross(arm, rotated_back([x.x for x in course.p], force))
+        for k, x in zip(columns, (*force, *torque), strict=False):
+            loads.force[k] += x
 
-    def apply_torque(self, body: int, at: Course, torque: Sequence[Real], found: Found) -> Real:
+    def apply_torque(self, body: int, course: Course, torque: Sequence[Real], loads: Found) -> Real:
         """Add a torque N (3,) [N m] in frame O that acts on a body, AᵀN; return its power N·ω."""
-        p = [x.x for x in at.p]
-        own = self.own(body)[3:] if body != GROUND_INDEX else range(0)
-        turning = rotated_back(p, torque)
-        first = quaternion_product((p[0], -p[1], -p[2], -p[3]), [x.d for x in at.p])
-        for k, x in zip(own, turning, strict=False):
-            found.force[k] += x
-        energy: Real = 2 * sum(a * b for a, b in zip(turning, first[1:], strict=True))
-        return energy
+        p = [x.x for x in course.p]
+        columns = self.columns_of(body)[3:] if body != GROUND_INDEX else range(0)
+        torque_b = rotated_back(p, torque)
+        half_omega = quaternion_product((p[0], -p[1], -p[2], -p[3]), [x.d for x in course.p])
+        for k, x in zip(columns, torque_b, strict=False):
+            loads.force[k] += x
+        power: Real = 2 * sum(a * b for a, b in zip(torque_b, half_omega[1:], strict=True))
+        return power
 
-    # What bodies do.
+    # Accelerations and momenta.
 
     def origins(
-        self, at: Mapping[int, Course], second: Sequence[Real]
+        self, courses: Mapping[int, Course], v_dot: Sequence[Real]
     ) -> Iterator[tuple[list[Real], tuple[Real, ...]]]:
-        """Accelerations r̈ (3,) [m/s²], frame O, of the origins of bodies' own frames, and dω′/dt.
+        """Accelerations r̈ (3,) [m/s²], frame O, of the origins of the body frames, and dω′/dt.
 
-        That is in the own frame, (3,) [rad/s²]; the origin is at r + A s′ with s′ in the principal
-        frame.
+        dω′/dt (3,) [rad/s²] is in the body frame, () for a point; the origin is at r + A s′, with
+        s′ in the principal frame.
         """
         for k, body in enumerate(self.bodies):
-            place = at[k].point(self._numbers(body.origin_b))
-            alpha = [second[column] for column in self.own(k)[3:]]
-            turning = rotated_back(self._numbers(body.axes_b), alpha) if alpha else ()
-            yield [x.dd for x in place], turning
+            origin = courses[k].point(self._numbers(body.origin_b))
+            alpha = [v_dot[column] for column in self.columns_of(k)[3:]]
+            angular = rotated_back(self._numbers(body.axes_b), alpha) if alpha else ()
+            yield [x.dd for x in origin], angular
 
     def momentum(
         self, bodies: Sequence[int], poses: Sequence[BodyState], about: Sequence[float] | None
@@ -481,14 +500,14 @@ class BodyEquations:
         drift = [x / mass for x in linear]
         if about is not None:
             center, drift = self._numbers(about), self._numbers((0, 0, 0))
-        total = self._numbers((0, 0, 0))
+        angular = self._numbers((0, 0, 0))
         for k in bodies:
-            one, body = poses[k], self.bodies[k]
-            arm = [a - b for a, b in zip(one.r, center, strict=True)]
-            part = cross(arm, [masses[k] * (a - b) for a, b in zip(one.v, drift, strict=True)])
+            pose, body = poses[k], self.bodies[k]
+            arm = [a - b for a, b in zip(pose.r, center, strict=True)]
+            orbital = cross(arm, [masses[k] * (a - b) for a, b in zip(pose.v, drift, strict=True)])
             spin: Sequence[Real] = (0, 0, 0)
             if not body.is_point:
                 moments = self._numbers(body.inertia)
-                spin = rotated(one.p, [a * b for a, b in zip(moments, one.omega_b, strict=True)])
-            total = [a + b + c for a, b, c in zip(total, part, spin, strict=True)]
-        return linear, total
+                spin = rotated(pose.p, [a * b for a, b in zip(moments, pose.omega_b, strict=True)])
+            angular = [a + b + c for a, b, c in zip(angular, orbital, spin, strict=True)]
+        return linear, angular

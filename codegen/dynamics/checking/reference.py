@@ -1,8 +1,8 @@
 """Reference values of a scene's solver at a few states, in 50 digits, from two sources.
 
 The tasks of the program are run as they were composed; straight-line code, C and Python have no
-part in it. What the composition itself does wrong shows against :mod:`.independent`, in which it
-has none.
+part in it. Faults of the composition itself show against :mod:`.independent`, in which it has no
+part.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.codegen.dynamics.checking.independent import (
-    GivenMeasure,
-    GivenSolver,
+    ComparedSolver,
+    MeasureSource,
     independent_points,
 )
 from kousoku.codegen.dynamics.checking.root_functions import root_function_points
@@ -47,11 +47,11 @@ if TYPE_CHECKING:
 
 #: Programs with more operations get no reference values: they would take minutes.
 MOST_OPERATIONS = 100_000
-#: No unit is smaller, as a part of the largest of its region: roundings of roundings count there.
+#: Least unit, relative to the largest of its region: roundings of roundings count there.
 SECOND_ORDER = 2.0**-40
-#: Which part of the changes of all parameters is tried, until moments of inertia are possible.
-PARTS_OF_CHANGES = (1.0, 2.0**-4, 2.0**-8, 2.0**-16)
-#: What is a number and not an operation.
+#: Fractions of the changes of all parameters that are tried, until moments of inertia are possible.
+PARAMETER_STEPS = (1.0, 2.0**-4, 2.0**-8, 2.0**-16)
+#: Nodes that are numbers and not operations.
 LEAVES = frozenset({Op.CONST, Op.INPUT})
 #: Operations whose derivatives jump.
 KINKS = frozenset({Op.ABS, Op.MAX})
@@ -64,9 +64,9 @@ class ReferenceState:
     Parameters
     ----------
     label : str
-        Why this state is there.
+        Kind of state.
     time : float [s]
-        When.
+        Time.
     q, v : list of float
         Coordinates and velocities.
     parameters : list of float
@@ -88,7 +88,7 @@ def solver_references(program: Program, system: System, written: System) -> str:
     program : Program
         Tasks, as composed.
     system : System
-        What it was composed of.
+        System that it was composed of.
     written : System
         The same after assembly alone: all bodies and joints of the scene.
 
@@ -103,79 +103,79 @@ def solver_references(program: Program, system: System, written: System) -> str:
         has more than :data:`MOST_OPERATIONS` operations.
     """
     count = operations(program)
-    found: list[dict[str, object]] = []
+    points: list[dict[str, object]] = []
     independent: list[dict[str, object]] = []
     functions: list[dict[str, object]] = []
     if count <= MOST_OPERATIONS:
         states = _states(program, system)
-        found = [point for state in states if (point := _point(program, system, state))]
-        independent = independent_points(_known(program, system, written))
+        points = [point for state in states if (point := _point(program, system, state))]
+        independent = independent_points(_compared_solver(program, system, written))
         functions = root_function_points(program, system)
     return to_text(
         {
             "format": REFERENCE_FORMATS["dynamics"],
             "package": system.name,
-            "is_exact": _uses(program, EXACT_OPS | LEAVES),
-            "is_smooth": _uses(program, frozenset(Op) - KINKS),
+            "is_exact": _uses_only(program, EXACT_OPS | LEAVES),
+            "is_smooth": _uses_only(program, frozenset(Op) - KINKS),
             "operations": count,
             "most_operations": MOST_OPERATIONS,
-            "points": found,
+            "points": points,
             "independent": independent,
             "functions": functions,
         }
     )
 
 
-def _uses(program: Program, allowed: frozenset[Op]) -> bool:
-    """Whether a program has no other operations."""
+def _uses_only(program: Program, allowed: frozenset[Op]) -> bool:
+    """Whether a program has no operations beside the allowed ones."""
     return all(node.op in allowed for kernel in program.kernels for node in kernel.nodes)
 
 
-def _known(program: Program, system: System, written: System) -> GivenSolver:
-    """Solver as the checker sees it, beside its results: where it has its bodies."""
+def _compared_solver(program: Program, system: System, written: System) -> ComparedSolver:
+    """Solver as the independent check sees it: scene, coordinates, momenta, none of its results."""
     data = motion_data(program, system)
     numbers = ProgramInterpreter(program)["design"] if program.design else []
     names = [
-        [one.name for one in system.carried if one.carrier in part.bodies]
+        [body.name for body in system.carried if body.carrier in part.bodies]
         if system.carried
         else [system.bodies[k].name for k in part.bodies]
         for part in program.conserved
     ]
-    return GivenSolver(
+    return ComparedSolver(
         system=fixed_system(written),
         layout=Layout.from_data(data).at(np.array(numbers, dtype=float)),
         q=np.array(data["q"], dtype=float),
         v=np.array(data["v"], dtype=float),
-        turning={
-            one.place.slot - program.region("q").base: one.name
-            for one in program.auxiliary
-            if one.kind == TURNS
+        turned_angles={
+            counter.place.slot - program.region("q").base: counter.name
+            for counter in program.auxiliary
+            if counter.kind == TURNS
         },
         momenta=[
-            (own, part.linear, part.angular, part.about)
-            for own, part in zip(names, program.conserved, strict=True)
+            (bodies, part.linear, part.angular, part.about)
+            for bodies, part in zip(names, program.conserved, strict=True)
         ],
         has_masses=program.has_masses,
         measures=_measures(program, system, written),
     )
 
 
-def _measures(program: Program, system: System, written: System) -> list[GivenMeasure]:
+def _measures(program: Program, system: System, written: System) -> list[MeasureSource]:
     """Coordinates and lengths of springs that formulas read, by their places in the scene."""
-    if not any(one.name == "measures" for one in program.regions):
+    if not any(region.name == "measures" for region in program.regions):
         return []
-    places = {one.name: k for k, one in enumerate(written.coordinates)}
-    names = [one.name for one in written.forces]
-    found = []
-    for one in root_functions_of(system).measures:
-        name = system.forces[one.force].name if one.force >= 0 else ""
-        place = places.get(one.name, -1) if not name else -1
-        has_length = place >= 0 and is_length(written.coordinates[place].kind)
+    indices = {coordinate.name: k for k, coordinate in enumerate(written.coordinates)}
+    names = [force.name for force in written.forces]
+    sources = []
+    for measure in root_functions_of(system).measures:
+        name = system.forces[measure.force].name if measure.force >= 0 else ""
+        index = indices.get(measure.name, -1) if not name else -1
+        has_length = index >= 0 and is_length(written.coordinates[index].kind)
         force = names.index(name) if names.count(name) == 1 else -1
         has_length = has_length or (force >= 0 and written.forces[force].coordinate < 0)
         unit = float(written.unit) if has_length else 1.0
-        found.append(GivenMeasure(place, force, one.is_length, unit))
-    return found
+        sources.append(MeasureSource(index, force, measure.is_length, unit))
+    return sources
 
 
 def _states(program: Program, system: System) -> list[ReferenceState]:
@@ -186,10 +186,9 @@ def _states(program: Program, system: System) -> list[ReferenceState]:
     lengths = {slot for pair in shift_slots(program) for slot in pair}
     length = characteristic_length(system)
     sizes = {
-        name: [length if base + k in lengths else 1.0 for k in range(size)]
-        for name, base, size in (
-            (one.name, one.base, one.size) for one in program.regions if one.name in {"q", "v"}
-        )
+        region.name: [length if region.base + k in lengths else 1.0 for k in range(region.size)]
+        for region in program.regions
+        if region.name in {"q", "v"}
     }
 
     def moved(values: Sequence[float], name: str, size: float) -> list[float]:
@@ -198,33 +197,33 @@ def _states(program: Program, system: System) -> list[ReferenceState]:
             for x, scale in zip(values, sizes[name], strict=True)
         ]
 
-    given = [value for _, value in system.parameters]
+    parameters = [value for _, value in system.parameters]
     near = moved(q, "q", 2.0**-10), moved(v, "v", 1.0)
     states = [
-        ReferenceState("start", 0.0, q, v, given),
-        ReferenceState("near the start, moving", 0.75, *near, given),
+        ReferenceState("start", 0.0, q, v, parameters),
+        ReferenceState("near the start, moving", 0.75, *near, parameters),
         ReferenceState(
-            "not assembled, fast", 1.5, moved(q, "q", 2.0**-4), moved(v, "v", 4.0), given
+            "not assembled, fast", 1.5, moved(q, "q", 2.0**-4), moved(v, "v", 4.0), parameters
         ),
     ]
-    if other := _other_parameters(program, given):
+    if other := _other_parameters(program, parameters):
         states.append(ReferenceState("near the start, other parameters", 0.75, *near, other))
     return states
 
 
-def _other_parameters(program: Program, given: Sequence[float]) -> list[float]:
+def _other_parameters(program: Program, values: Sequence[float]) -> list[float]:
     """Other values of parameters that a scene may have; none where all are fixed."""
     if not program.design:
         return []
-    places = dict(program.design.places)
-    for part in PARTS_OF_CHANGES:
+    indices = dict(program.design.places)
+    for step in PARAMETER_STEPS:
         other = [
-            value + part * (other_value(value, place) - value) for place, value in enumerate(given)
+            value + step * (other_value(value, index) - value) for index, value in enumerate(values)
         ]
         work = ProgramInterpreter(program)
         work["parameters"] = other
         work.run("setup")
-        if all(work["design"][places[key]] > 0 for _, key in program.design.positive):
+        if all(work["design"][indices[key]] > 0 for _, key in program.design.positive):
             return other
     return []
 
@@ -232,26 +231,28 @@ def _other_parameters(program: Program, given: Sequence[float]) -> list[float]:
 def _point(program: Program, system: System, state: ReferenceState) -> dict[str, object] | None:
     """Results at a state, None where they are not finite or not determined."""
     work = ProgramInterpreter(program, HIGH)
-    given = {"t": [state.time], "q": state.q, "v": state.v}
+    inputs = {"t": [state.time], "q": state.q, "v": state.v}
     if system.parameters:
-        given["parameters"] = state.parameters
-    for name, values in given.items():
+        inputs["parameters"] = state.parameters
+    for name, values in inputs.items():
         work[name] = [HIGH.number(Fraction(x)) for x in values]
-    # What loops find is no task of the program.
-    given_too = {"reactions"} if program.shares_out else set()
-    hidden = {*GIVEN, *given_too}
-    regions = [one for one in program.regions if one.size and one.name not in hidden]
-    slots = [one.base + k for one in regions for k in range(one.size)]
+    # Loops outside the program compute reactions that are shared out.
+    unwritten = {"reactions"} if program.shares_out else set()
+    hidden = {*GIVEN, *unwritten}
+    regions = [region for region in program.regions if region.size and region.name not in hidden]
+    slots = [region.base + k for region in regions for k in range(region.size)]
     try:
         before = ["setup"] if program.design else []
         steps = run_and_keep(work, [*before, *(segment.name for segment in program.segments)])
         sizes = iter(units(work, steps, slots))
         outputs = {
-            one.name: _columns(work[one.name], list(islice(sizes, one.size))) for one in regions
+            region.name: _columns(work[region.name], list(islice(sizes, region.size)))
+            for region in regions
         }
     except (ArithmeticError, ValueError, TypeError):  # a pole, or a root that is not real
         return None
-    if not all(math.isfinite(x) for own in outputs.values() for row in own.values() for x in row):
+    lists = (values for columns in outputs.values() for values in columns.values())
+    if not all(math.isfinite(x) for values in lists for x in values):
         return None
     return {
         "label": state.label,
@@ -264,7 +265,7 @@ def _point(program: Program, system: System, state: ReferenceState) -> dict[str,
 
 
 def _columns(values: Sequence[Any], sizes: Sequence[float]) -> dict[str, list[float]]:
-    """High, low and unit of the numbers of a region; it is exactly zero where units are."""
+    """High, low and unit of the numbers of a region; a number of unit zero is exactly zero."""
     least = SECOND_ORDER * max(sizes)
     rounded = [float(f"{max(size, least):.2e}") for size in sizes]
     high = [float(value) for value in values]

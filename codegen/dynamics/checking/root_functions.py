@@ -1,7 +1,7 @@
-"""Values and rates of the functions whose roots a run looks for, to compare its own with.
+"""Values and rates of the functions whose roots a run looks for, to compare the solver's with.
 
-They are of the formulas alone, at numbers that are drawn for what these read: rates are quotients
-of differences in 50 digits, so that neither bounds nor derivatives have a part in them.
+They are of the formulas alone, with random numbers for the measures that these read: rates are
+quotients of differences in 50 digits, so that neither bounds nor derivatives have a part in them.
 """
 
 from __future__ import annotations
@@ -28,18 +28,17 @@ if TYPE_CHECKING:
     from kousoku.model.numbers.real import Real
     from kousoku.model.operations.expression import Expression
 
-#: Regions of a program that have functions: fields of what ``root_functions_of`` finds.
+#: Regions of a program that have functions: fields of the result of ``root_functions_of``.
 REGIONS = (
     *("switches", "features", "gaps", "laws", "crossings", "breaks", "poles", "narrow", "infinite"),
     *("lengths", "distances"),
 )
-#: How many points are drawn, and how far they are from the start and from each other, as parts of
-#: sizes.
+#: Count of random points, and their distance from the start and from each other, relative to sizes.
 POINTS, FAR = 6, 0.5
-#: What differences are of [s]: half of the digits are left.
+#: Step of difference quotients [s]: half of the digits remain.
 DIFFERENCE = Fraction(1, 2**80)
-#: The unit of error: of the largest number that a formula has on the way. Sines of numbers that are
-#: larger than its inverse are known to less.
+#: Unit of error, relative to the largest intermediate number of a formula. Sines of numbers that
+#: are larger than its inverse are known to less.
 UNIT = 2.0**-24
 
 
@@ -49,11 +48,11 @@ def root_function_points(program: Program, system: System) -> list[dict[str, obj
     Parameters
     ----------
     program, system : Program, System
-        What a solver is emitted from.
+        Program and system that a solver is emitted from.
     """
     functions = root_functions_of(system)
     formulas: dict[str, Sequence[Expression]] = {
-        name: own for name in REGIONS if (own := getattr(functions, name))
+        name: expressions for name in REGIONS if (expressions := getattr(functions, name))
     }
     if not formulas:
         return []
@@ -66,29 +65,34 @@ def root_function_points(program: Program, system: System) -> list[dict[str, obj
 
     points: list[dict[str, object]] = []
     for _ in range(POINTS):
-        time, names, read = abs(drawn(4.0)), dict[str, list[float]](), []
-        for one, (value, rate) in zip(functions.measures, start, strict=True):
-            size = measure_size(one, system, length)
+        time, names, measures = abs(drawn(4.0)), dict[str, list[float]](), []
+        for measure, (value, rate) in zip(functions.measures, start, strict=True):
+            size = measure_size(measure, system, length)
             numbers = [value + drawn(size), rate + drawn(size), drawn(size)]
-            names |= {one.name: numbers[:2], one.rate: numbers[1:]}
-            read.append(numbers)
-        given = {name: [value, 0.0] for name, value in system.parameters}
-        courses = {TIME: [time, 1.0], **given, **names}
-        values = {name: [_known(one, courses) for one in own] for name, own in formulas.items()}
-        points.append({"time": time, "read": read, "values": values})
+            names |= {measure.name: numbers[:2], measure.rate: numbers[1:]}
+            measures.append(numbers)
+        parameters = {name: [value, 0.0] for name, value in system.parameters}
+        courses = {TIME: [time, 1.0], **parameters, **names}
+        values = {
+            name: [_value_and_rate(formula, courses) for formula in expressions]
+            for name, expressions in formulas.items()
+        }
+        points.append({"time": time, "read": measures, "values": values})
     return points
 
 
-def _known(formula: Expression, courses: Mapping[str, Sequence[float]]) -> list[float] | None:
-    """Value, rate, and unit of their errors; None where they are no finite real numbers."""
+def _value_and_rate(
+    formula: Expression, courses: Mapping[str, Sequence[float]]
+) -> list[float] | None:
+    """Value and rate of a formula, with their unit of error; None unless they are finite."""
     sizes = [1.0]
 
     def applied(op: Op, args: Sequence[Real]) -> Real:
-        found = _applied(op, args)
-        sizes.append(abs(float(found)))
-        return found
+        result = _applied(op, args)
+        sizes.append(abs(float(result)))
+        return result
 
-    def after(time: Fraction) -> Real:
+    def value_at(time: Fraction) -> Real:
         names = {
             name: HIGH.number(Fraction(value) + time * Fraction(rate))
             for name, (value, rate) in courses.items()
@@ -96,11 +100,11 @@ def _known(formula: Expression, courses: Mapping[str, Sequence[float]]) -> list[
         return evaluated(formula, _as_double, names, applied)
 
     try:
-        value, before, behind = after(Fraction(0)), after(-DIFFERENCE), after(DIFFERENCE)
-        rate = (behind - before) / HIGH.number(2 * DIFFERENCE)
+        value, before, following = (value_at(x) for x in (Fraction(0), -DIFFERENCE, DIFFERENCE))
+        rate = (following - before) / HIGH.number(2 * DIFFERENCE)
         largest = max(*sizes, abs(float(rate)))
-        found = [float(value), float(rate), UNIT * largest * max(1.0, UNIT * largest)]
-        return found if all(map(isfinite, found)) else None
+        numbers = [float(value), float(rate), UNIT * largest * max(1.0, UNIT * largest)]
+        return numbers if all(map(isfinite, numbers)) else None
     except (ArithmeticError, ValueError, TypeError):  # a pole, or a root that is not real
         return None
 
@@ -111,7 +115,7 @@ def _as_double(value: Fraction) -> Real:
 
 
 def _applied(op: Op, args: Sequence[Real]) -> Real:
-    """Function of numbers: of sums of exponentials as they are, as none overflows."""
+    """Result of an operation, by its definition where that is of exponentials: none overflows."""
     match op:
         case Op.LOG_SUM:
             return HIGH.log(HIGH.exp(args[0]) + HIGH.exp(args[1]))

@@ -1,10 +1,10 @@
 """Unit of error of solvers: how far rounding can move the results of a program.
 
-The unit of a result y is u Σ |z ∂y/∂z| with u = 2⁻⁵³, over all numbers z that the program is given
-or computes. To first order, no rounding of these numbers moves y by more. Near places where rows
-become dependent it grows, because the derivatives do.
+The unit of a result y is u Σ |z ∂y/∂z| with u = 2⁻⁵³, over all numbers z that the program takes or
+computes. To first order, no rounding of these numbers moves y by more. Near states with dependent
+rows it grows, because the derivatives do.
 
-The derivatives are found backward from the results, operation by operation, for many results at
+The derivatives are computed backward from the results, operation by operation, for many results at
 once.
 """
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 #: u, the rounding of a double.
 UNIT_ROUNDOFF = 2.0**-53
-#: Results that are looked at together.
+#: Count of results whose adjoints are computed together.
 SLOTS_AT_ONCE = 512
 #: Operations that libraries round to within two units or so.
 FUNCTIONS = frozenset({Op.SIN, Op.COS, Op.ATAN2, Op.EXP, Op.LOG})
@@ -40,14 +40,14 @@ UNROUNDED = frozenset({Op.NEG, Op.ABS, Op.MAX, Op.INPUT})
 
 @dataclass(frozen=True, slots=True)
 class ExecutedTask:
-    """A task that was run.
+    """Task that was run.
 
     Parameters
     ----------
     task : Task
-        Which.
+        The task.
     values : list of float
-        Of all nodes of its kernel.
+        Values of all nodes of its kernel.
     """
 
     task: Task
@@ -68,19 +68,19 @@ def units(
     Parameters
     ----------
     workspace : ProgramInterpreter
-        Where the steps were run, as they left it. No slot was written twice.
+        Workspace in which the steps were run. No slot was written twice.
     steps : sequence of ExecutedTask
-        As :func:`run_and_keep` returned them.
+        Tasks and values, as :func:`run_and_keep` returned them.
     slots : sequence of int
         The results.
     """
-    found: list[float] = []
+    sizes: list[float] = []
     for first in range(0, len(slots), SLOTS_AT_ONCE):
-        found += _units(workspace, steps, slots[first : first + SLOTS_AT_ONCE])
-    return found
+        sizes += _batch_units(workspace, steps, slots[first : first + SLOTS_AT_ONCE])
+    return sizes
 
 
-def _units(
+def _batch_units(
     workspace: ProgramInterpreter, steps: Sequence[ExecutedTask], slots: Sequence[int]
 ) -> list[float]:
     adjoints: dict[int, Array] = {}
@@ -89,38 +89,41 @@ def _units(
     total = np.zeros(len(slots))
     with np.errstate(all="ignore"):  # where a result is not finite its unit is not either
         for step in reversed(steps):
-            _go_back(workspace.program.kernels[step.task.kernel], step, adjoints, total)
+            _propagate(workspace.program.kernels[step.task.kernel], step, adjoints, total)
         for slot, adjoint in adjoints.items():
             total += np.abs(adjoint) * abs(float(workspace.values[slot]))
     return [float(x) for x in UNIT_ROUNDOFF * total]
 
 
-def _go_back(kernel: Kernel, step: ExecutedTask, adjoints: dict[int, Array], total: Array) -> None:
+def _propagate(
+    kernel: Kernel, step: ExecutedTask, adjoints: dict[int, Array], total: Array
+) -> None:
     """Bring adjoints from the outputs of a task to its inputs, and count its roundings."""
-    own: dict[int, Array] = {}
+    node_adjoints: dict[int, Array] = {}
     for base, result in zip(step.task.outputs, kernel.results, strict=True):
         for k, node in enumerate(result):
             if (adjoint := adjoints.pop(base + k, None)) is not None:
-                _add(own, node, adjoint)
+                _accumulate(node_adjoints, node, adjoint)
     bases = dict(zip((q.name for q in kernel.inputs), step.task.inputs, strict=True))
     for node in reversed(range(len(kernel.nodes))):
-        adjoint = own.pop(node, None)
+        adjoint = node_adjoints.pop(node, None)
         if adjoint is None:
             continue
-        what, value = kernel.nodes[node], step.values[node]
-        if what.symbol is not None:
-            name, place = what.symbol
-            _add(adjoints, bases[name] + place, adjoint)
-        elif value and (weight := _roundings(what)):
+        operation, value = kernel.nodes[node], step.values[node]
+        if operation.symbol is not None:
+            name, offset = operation.symbol
+            _accumulate(adjoints, bases[name] + offset, adjoint)
+        elif value and (weight := _roundings(operation)):
             total += np.abs(adjoint) * (weight * abs(value))
-        for arg, factor in zip(what.args, _partials(what, value, step.values), strict=True):
+        partials = _partials(operation, value, step.values)
+        for arg, factor in zip(operation.args, partials, strict=True):
             if factor:
-                _add(own, arg, adjoint * factor)
+                _accumulate(node_adjoints, arg, adjoint * factor)
 
 
-def _add(table: dict[int, Array], place: int, adjoint: Array) -> None:
-    known = table.get(place)
-    table[place] = adjoint if known is None else known + adjoint
+def _accumulate(table: dict[int, Array], index: int, adjoint: Array) -> None:
+    present = table.get(index)
+    table[index] = adjoint if present is None else present + adjoint
 
 
 def _roundings(node: OperationNode[int]) -> int:

@@ -55,33 +55,33 @@ def events_without_value(program: Program, system: System) -> list[tuple[str, st
     Parameters
     ----------
     program, system : Program, System
-        What a solver is emitted from.
+        Program and system that a solver is emitted from.
     """
     if not system.events:
         return []
     measures = root_functions_of(system).measures
-    found = measures_at_start(program, len(measures))
-    if found is None:  # the force of that spring says so
+    start = measures_at_start(program, len(measures))
+    if start is None:  # the check of that spring's force reports it
         return []
     values = {TIME: 0.0, **dict(system.parameters)}
-    for one, (value, rate) in zip(measures, found, strict=True):
-        values |= {one.name: value, one.rate: rate}
+    for measure, (value, rate) in zip(measures, start, strict=True):
+        values |= {measure.name: value, measure.rate: rate}
     return [
-        (one.name, one.when)
-        for one in system.events
-        if not isfinite(value_of(parse_expression(one.when, values), values))
+        (event.name, event.when)
+        for event in system.events
+        if not isfinite(value_of(parse_expression(event.when, values), values))
     ]
 
 
 def measures_at_start(program: Program, count: int) -> list[tuple[float, float]] | None:
-    """Value and rate of all that formulas read, at the start; None beside a spring without length.
+    """Values and rates of all measures at the start; None where a spring has no length there.
 
     Parameters
     ----------
     program : Program
-        What a solver is emitted from.
+        Program that a solver is emitted from.
     count : int
-        How many they are.
+        Count of the measures.
     """
     if not count:
         return []

@@ -49,9 +49,9 @@ PAIRS = frozenset(
         *("narrow_scales", "feature_scales"),
     }
 )
-#: The counts and places that come with what scenes may have or lack; those of what a scene lacks
-#: are zeros in ``integrate/lacking.h``.
-COME_WITH = {
+#: Counts and first slots by the features that they need; those of features that a scene lacks are
+#: zeros in ``integrate/lacking.h``.
+FEATURE_NUMBERS = {
     ("HAS_ROWS",): ("NC",),
     ("HAS_CONSTANTS",): ("CONSTANTS", "W_CONSTANTS"),
     ("HAS_PARAMETERS",): ("N_PARAMETERS", "W_PARAMETERS"),
@@ -77,7 +77,7 @@ COME_WITH = {
     ("HAS_MEASURE",): ("N_MEASURES", "W_MEASURES"),
     ("HAS_DISTANCE",): ("N_LENGTHS", "N_DISTANCES", "W_LENGTHS", "W_DISTANCES"),
 }
-#: How wide lines of tables are.
+#: Width of the lines of tables.
 TABLE_WIDTH = 92
 #: The longest table that stands in the line of its name.
 LONGEST_INLINE_TABLE = 50
@@ -92,9 +92,9 @@ class KernelText:
     name : str
         ``kernel_3``; that of the segment where it is a whole segment, or a part of one.
     title : str
-        What it computes.
+        Title of its results.
     operations : int
-        What one call costs.
+        Scalar operations of one call.
     pointers : tuple of str
         Declarations of the regions of the workspace ``w`` that it names, in lines; of a kernel that
         tasks call they are at their slots ``s``.
@@ -103,7 +103,7 @@ class KernelText:
     results : tuple of (str, str)
         Element of an output, and its text.
     slots : int
-        How many slots a task of it lists.
+        Count of the slots that a task of it lists.
     repeats : bool
         Whether there are several of its tasks in a row: loops take compilers a time.
     """
@@ -127,7 +127,7 @@ class SegmentText:
     name, meaning : str
         Its name, and what it reads and writes.
     contents : tuple of str
-        What was inlined into it, in lines.
+        Contents that were inlined into it, in lines.
     functions : tuple of KernelText
         Functions of the whole workspace that it is made of; none where it has tasks.
     table : str
@@ -164,30 +164,30 @@ class MethodText:
 
 @dataclass(frozen=True, slots=True)
 class SolverContext:
-    """All that the solver's text is made of.
+    """Context of the templates of a solver in C.
 
     Parameters
     ----------
     name : str
         The scene; names begin with ``kousoku_<name>``.
     features : tuple of str
-        What the scene has, and others may lack.
+        Features of the scene that others may lack.
     sizes, places : str
-        Enumerators, in lines: counts, and where its regions are.
+        Enumerators, in lines: counts, and first slots of the regions.
     state : tuple of Field
         The layout of the state.
     kernels : tuple of KernelText
-        Those that tasks call.
+        Kernels that tasks call.
     segments : tuple of SegmentText
         In order.
     tables : mapping of str to str
-        Initialisers of those that have rows; their lines say what these belong to.
+        Initialisers of tables that have rows; their lines name the owners of these.
     length : str
         A length of the scene [m].
     closure_tolerance : str
-        What rows that are left out may miss, relative to it, or in radians.
+        Residual of rows that are left out at most, relative to that length, or in radians.
     mass : str
-        Of all bodies [kg].
+        Mass of all bodies [kg].
     parts : tuple of str
         Regions that a row has beyond time, q and v.
     rows : int
@@ -308,8 +308,8 @@ def function_text(kernel: Kernel, task: Task, slots: Slots, name: str, title: st
         pointers=_pointers(
             (kind, f"*{region} = w + W_{region.upper()}")
             for kind in ("const double", "double")
-            for region, own in regions.items()
-            if own == kind
+            for region, pointer_kind in regions.items()
+            if pointer_kind == kind
         ),
         statements=statements,
         results=results,
@@ -322,8 +322,8 @@ def _pointers(pointers: Iterable[tuple[str, str]]) -> tuple[str, ...]:
     """Declarations of pointers, those of one type together in lines."""
     return tuple(
         f"{kind} {line.rstrip(',')};"
-        for kind, own in groupby(pointers, key=itemgetter(0))
-        for line in in_lines((f"{text}," for _, text in own), TABLE_WIDTH - 14).splitlines()
+        for kind, same_kind in groupby(pointers, key=itemgetter(0))
+        for line in in_lines((f"{text}," for _, text in same_kind), TABLE_WIDTH - 14).splitlines()
     )
 
 
@@ -338,13 +338,13 @@ def _body(
     Parameters
     ----------
     kernel : Kernel
-        What is computed.
+        The kernel.
     leaves : mapping of (str, int) to str
         The text of each element of an input.
     names : sequence of str
-        Those that are taken.
+        Names that are taken.
     elements : sequence of sequence of str
-        For each output where its elements go.
+        For each output the targets of its elements.
     """
     namer = Namer()
     for name in names:
@@ -352,8 +352,8 @@ def _body(
     plan = layout(kernel, tuple(range(len(kernel.outputs))), leaves)
     statements, texts = straight_line(plan, C, leaves, namer)
     results: list[tuple[str, str]] = []
-    for k, places in enumerate(elements):
-        results += zip(places, output_text(kernel, k, "", texts).elements, strict=True)
+    for k, targets in enumerate(elements):
+        results += zip(targets, output_text(kernel, k, "", texts).elements, strict=True)
     return tuple((s.name, s.text) for s in statements), tuple(results)
 
 
@@ -365,9 +365,9 @@ def runs_of(tasks: Sequence[Task]) -> Iterator[tuple[int, list[Task]]]:
 
 def task_rows(tasks: Sequence[Task]) -> Iterator[tuple[str, str]]:
     """Tasks as numbers with their owners: a run of one kernel begins with it and a count."""
-    for kernel, same in runs_of(tasks):
-        yield "", f"{kernel}, {len(same)},"
-        for task in same:
+    for kernel, run in runs_of(tasks):
+        yield "", f"{kernel}, {len(run)},"
+        for task in run:
             yield task.owner, " ".join(f"{slot}," for slot in (*task.inputs, *task.outputs))
 
 
@@ -379,38 +379,42 @@ def solver_context(
     Parameters
     ----------
     program : Program
-        Task lists, or what inlining made of them.
+        Task lists, or the program that inlining made of them.
     system : System
-        What it was composed of.
+        System that it was composed of.
     length : float [m]
         A length of the scene, to which corrections are compared.
     parts : sequence of str
         Regions that a row has beyond time, q and v.
     """
     segments, slots = (*program.segments, *program.on_demand), slots_of(program)
-    found = tables(program, system, length, parts)
+    solver_tables = tables(program, system, length, parts)
     counted = ("shifts", "turns", "drivers", "starts", "positive", "parts", "events", "rank_rows")
-    counts = layout_sizes(program) | {name.upper(): len(found[name]) for name in counted}
+    counts = layout_sizes(program) | {name.upper(): len(solver_tables[name]) for name in counted}
     shown = len(system.shown) if "coordinates" in parts else 0
     counts |= {"N_SHOWN": shown, "PER_SHOWN": 3 if "v_dot" in parts else 2}
     row = 1 + sum(program.region(name).size for name in ("q", "v", *parts))
     bases = {region.name: region.base for region in program.regions}
     places = {f"W_{name.upper()}": base for name, base in bases.items()}
     places |= {f"W_{SCRATCH.upper()}": slots.bases[-1], "W_SIZE": program.size}
-    known = (name for names in COME_WITH.values() for name in names if name.startswith("W_"))
-    places |= {name: 0 for name in known if name not in places}
+    slot_names = (
+        name for names in FEATURE_NUMBERS.values() for name in names if name.startswith("W_")
+    )
+    places |= {name: 0 for name in slot_names if name not in places}
     features = _features(program, system, parts)
     kernels = () if program.is_inlined else program.kernels
-    texts = {name: _table(table, name in PAIRS) for name, table in found.items()}
+    texts = {name: _table(table, name in PAIRS) for name, table in solver_tables.items()}
     texts["constants"] = _initialiser(in_lines(f"{literal(x)}," for x in program.constants))
-    repeated = {kernel for one in segments for kernel, run in runs_of(one.tasks) if len(run) > 1}
+    repeated = {
+        kernel for segment in segments for kernel, run in runs_of(segment.tasks) if len(run) > 1
+    }
     state = {"NY": counts["NQ"] + counts["NV"], "DENSE": DENSE, **counts}
     state["RANGED"] = counts["NQ"] + shown
     return SolverContext(
         name=program.name,
         features=features,
-        sizes=enumerators(_of_features(counts, features) | {"ROW_SIZE": row}),
-        places=enumerators(_of_features(places, features)),
+        sizes=enumerators(_with_features(counts, features) | {"ROW_SIZE": row}),
+        places=enumerators(_with_features(places, features)),
         state=fields(state),
         kernels=tuple(
             kernel_text(k, kernel, repeats=k in repeated) for k, kernel in enumerate(kernels)
@@ -468,14 +472,14 @@ def _features(program: Program, system: System, parts: Sequence[str]) -> tuple[s
         "HAS_BREAKS": "breaks" in regions,
         "HAS_FRACTIONAL_POWERS": root_functions_of(system).has_fractional_powers,
     }
-    return tuple(name for name, has in features.items() if has)
+    return tuple(name for name, is_present in features.items() if is_present)
 
 
-def _of_features(numbers: Mapping[str, int], features: Collection[str]) -> dict[str, int]:
-    """Counts, or places, without those of features that the scene lacks."""
+def _with_features(numbers: Mapping[str, int], features: Collection[str]) -> dict[str, int]:
+    """Counts, or first slots, without those of features that the scene lacks."""
     absent = {
         name
-        for needed, names in COME_WITH.items()
+        for needed, names in FEATURE_NUMBERS.items()
         if not set(needed) <= set(features)
         for name in names
     }

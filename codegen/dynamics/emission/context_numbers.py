@@ -1,4 +1,4 @@
-"""The numbers that the solver of a program has in any language: sizes, places, tables."""
+"""Numbers of a solver that are the same in all languages: sizes, indices, tables."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ if TYPE_CHECKING:
     from kousoku.model.lowering.root_functions import Measure, PartScale
     from kousoku.model.mechanics.multibody import System
 
-#: By what masses of a run may be smaller than those of the scene, where parameters change them.
+#: Least ratio of the masses of a run to those of the scene, where parameters change them.
 LEAST_MASS_PART = 1e-30
-#: An error that is compared with this counts as none.
+#: Floor of coordinates whose changes are ignored.
 IGNORED = 1e300
 
 
 def layout_sizes(program: Program) -> dict[str, int]:
-    """Counts that a solver is laid out by, as C calls them."""
+    """Counts of the layout of a solver, by their names in C."""
     present = {region.name: region.size for region in program.regions}
     counted = counted_turns(program)
     crossings = sum(present.get(name, 0) for name in ("crossings", "breaks", "poles"))
@@ -67,12 +67,12 @@ def layout_sizes(program: Program) -> dict[str, int]:
 
 def works(program: Program) -> int:
     """Number of entries at the end of q that are works."""
-    return sum(one.kind == WORK for one in program.auxiliary) if program.has_masses else 0
+    return sum(entry.kind == WORK for entry in program.auxiliary) if program.has_masses else 0
 
 
 def counted_turns(program: Program) -> range:
     """Entries of q that count turns."""
-    counted = [one.place.slot for one in program.auxiliary if one.kind == TURNS]
+    counted = [counter.place.slot for counter in program.auxiliary if counter.kind == TURNS]
     first = min(counted) - program.region("q").base if counted else 0
     return range(first, first + len(counted))
 
@@ -89,9 +89,9 @@ def tables(
     Parameters
     ----------
     program : Program
-        Task lists, or what inlining made of them.
+        Task lists, or the program that inlining made of them.
     system : System
-        What it was composed of.
+        System that it was composed of.
     length : float [m]
         A length of the scene, to which corrections are compared.
     parts : sequence of str
@@ -103,8 +103,8 @@ def tables(
     lengths = {slot for pair in shifts for slot in pair}
     switched, functions = has_row_switch(program), root_functions_of(system)
     rows = (*program.rows, *program.left_out, *program.satisfied)
-    looked_at = rank_rows(program, system)
-    compares = bool(looked_at) or is_driven(program, system)
+    ranked = rank_rows(program, system)
+    compares = bool(ranked) or is_driven(program, system)
     return {
         "parameters": list(system.parameters),
         "is_length": [(owner[slot], int(slot in lengths)) for slot in v],
@@ -125,17 +125,18 @@ def tables(
         if switched
         else [],
         "drivers": driver_rows(program, system) if switched else [],
-        "rank_rows": looked_at,
-        "starts": [(owner[(*q, *v)[place]], (place, at)) for place, at in starts],
+        "rank_rows": ranked,
+        "starts": [(owner[(*q, *v)[index]], (index, entry)) for index, entry in starts],
         "positive": positive_places(program),
         "measure_sizes": [
-            (one.name, float(measure_size(one, system, length))) for one in functions.measures
+            (measure.name, float(measure_size(measure, system, length)))
+            for measure in functions.measures
         ],
         "narrow_scales": part_scales(functions.narrow_scales, program, system, length),
         "feature_scales": part_scales(functions.feature_scales, program, system, length),
         "events": [
-            (one.name, (one.direction, ACTIONS.index(one.action), int(jumps)))
-            for one, jumps in zip(system.events, functions.jumps, strict=True)
+            (event.name, (event.direction, ACTIONS.index(event.action), int(jumps)))
+            for event, jumps in zip(system.events, functions.jumps, strict=True)
         ],
         "row_is_length": [
             (name, int(unit == "m")) for name, unit in (row_of(row, system) for row in rows)
@@ -147,26 +148,26 @@ def tables(
 def part_scales(
     parts: Sequence[PartScale], program: Program, system: System, length: float
 ) -> Table:
-    """What variations of parts of formulas are compared with, and whether over a square of times.
+    """Scales of the variations of parts of formulas, and whether each is over a square of times.
 
-    Of a force it is what moves the lightest body by the length of the scene in that time; where
-    bodies have no masses, its own size, and where a run may change these a small part of that. Of
-    what a driver leads along it is the length of the scene, or 1 rad, or its own size where that is
-    less.
+    The scale of a force moves the lightest body by the length of the scene in that time; where
+    bodies have no masses it is the size of the part, and where a run may change masses a small
+    fraction of that. The scale of a driver's law is the length of the scene or 1 rad, or the size
+    of the part where that is less.
     """
-    own, mass = length / system.unit, lightest_mass(system, length)
+    span, mass = length / system.unit, lightest_mass(system, length)
     changes = any(is_varying(x) for body in system.bodies for x in (body.mass, *body.inertia))
-    found: Table = []
+    scales: Table = []
     for part in parts:
         size = part.size if 0.0 < part.size < math.inf else 1.0
         size *= LEAST_MASS_PART if changes and program.has_masses else 1.0
-        forces = {"N": mass * own, "N m": mass * own * own, "m/s^2": own}
-        led = {"m": min(own, size), "rad": min(1.0, size)}
-        if any(unit in led for unit in part.units) or changes or not program.has_masses:
-            found.append(("", (min(led.get(unit, size) for unit in part.units), 0)))
+        forces = {"N": mass * span, "N m": mass * span * span, "m/s^2": span}
+        driven = {"m": min(span, size), "rad": min(1.0, size)}
+        if any(unit in driven for unit in part.units) or changes or not program.has_masses:
+            scales.append(("", (min(driven.get(unit, size) for unit in part.units), 0)))
         else:
-            found.append(("", (min(forces[unit] for unit in part.units), 1)))
-    return found
+            scales.append(("", (min(forces[unit] for unit in part.units), 1)))
+    return scales
 
 
 def lightest_mass(system: System, length: float) -> float:
@@ -180,17 +181,17 @@ def lightest_mass(system: System, length: float) -> float:
     return min((mass for mass in masses if mass > 0.0), default=1.0)
 
 
-def measure_size(one: Measure, system: System, length: float) -> float:
-    """Length of the scene in its unit, or 1 rad: the measure of errors."""
-    if one.coordinate < 0:
+def measure_size(measure: Measure, system: System, length: float) -> float:
+    """Scale of the errors of a measure: the length of the scene in its unit, or 1 rad."""
+    if measure.coordinate < 0:
         return length / system.unit
-    if not is_length(system.coordinates[one.coordinate].kind):
+    if not is_length(system.coordinates[measure.coordinate].kind):
         return 1.0
-    return length / (system.unit if one.force < 0 else 1.0)
+    return length / (system.unit if measure.force < 0 else 1.0)
 
 
 def row_of(row: ConstraintEquation, system: System) -> list[str]:
-    """Joint of a row, or the key of its driver, and the unit of its residual."""
+    """Name of the joint of a row, or the key of its driver, and the unit of its residual."""
     instance = system.constraints[row.instance]
     name = f"drivers.{row.joint}" if instance.is_driver else row.joint
     return [name, instance.row_unit]
@@ -198,12 +199,12 @@ def row_of(row: ConstraintEquation, system: System) -> list[str]:
 
 def owners(program: Program) -> dict[int, str]:
     """Body, or the name of the auxiliary entry, of each slot of q and v."""
-    found = {one.place.slot: one.name for one in program.auxiliary}
+    names = {entry.place.slot: entry.name for entry in program.auxiliary}
     for body in program.bodies:
         for place in (*body.r, *body.p, *body.v, *body.omega_b):
             if place.slot >= 0:
-                found[place.slot] = body.body
-    return found
+                names[place.slot] = body.body
+    return names
 
 
 def has_drivers(system: System) -> bool:
@@ -217,53 +218,53 @@ def has_row_switch(program: Program) -> bool:
 
 
 def driver_rows(program: Program, system: System) -> Table:
-    """Rows of drivers: which row it is, and where its work is in q."""
+    """Rows of drivers: index of each row, and index of its work in q."""
     base = program.region("q").base
-    works = {one.name: one.place.slot - base for one in program.auxiliary if one.kind == WORK}
+    works = {work.name: work.place.slot - base for work in program.auxiliary if work.kind == WORK}
     rows = [(k, system.constraints[row.instance]) for k, row in enumerate(program.rows)]
-    return [(one.joint, (k, works[one.joint])) for k, one in rows if one.is_driver]
+    return [(driver.joint, (k, works[driver.joint])) for k, driver in rows if driver.is_driver]
 
 
 def inverse_mass_table(program: Program, system: System) -> list[float]:
     """Diagonal of M⁻¹ in the order of v, zero where there is no mass.
 
-    A scene that moves in a plane and is computed in space has the thickness that makes it move.
+    A planar scene that is computed in space takes the moments of inertia that it lacks.
     """
     if not program.is_planar:
         system = with_all_inertias(system)
-    found = [0.0] * program.region("v").size
+    diagonal = [0.0] * program.region("v").size
     base = program.region("v").base
     for body, places in zip(system.bodies, program.bodies, strict=True):
         inverse = of_body(body, range(6))
         for place, value in zip((*places.v, *places.omega_b), inverse, strict=True):
             if place.slot >= 0:
-                found[place.slot - base] = precise.double(value)
-    return found
+                diagonal[place.slot - base] = precise.double(value)
+    return diagonal
 
 
 def mass_places(program: Program, system: System) -> list[int]:
-    """Places of inverse masses in the design, −1 of fixed ones; nothing if all are fixed."""
-    given = inverse_mass_table(program, system)
-    if not any(map(is_varying, given)):
+    """Indices of inverse masses in the design, −1 of fixed ones; nothing if all are fixed."""
+    diagonal = inverse_mass_table(program, system)
+    if not any(map(is_varying, diagonal)):
         return []
-    return [program.design.place(x) if is_varying(x) else -1 for x in given]
+    return [program.design.place(x) if is_varying(x) else -1 for x in diagonal]
 
 
 def start_places(program: Program) -> list[tuple[int, int]]:
-    """Places in (q, v) of a start that depends on parameters, each with that in the design."""
-    q, v, places = program.region("q"), program.region("v"), dict(program.design.places)
+    """Indices in (q, v) of starts that depend on parameters, each with its index in the design."""
+    q, v, design = program.region("q"), program.region("v"), dict(program.design.places)
     return [
-        (slot - q.base if q.base <= slot < q.base + q.size else q.size + slot - v.base, places[key])
+        (slot - q.base if q.base <= slot < q.base + q.size else q.size + slot - v.base, design[key])
         for slot, key in program.design.start
     ]
 
 
 def positive_places(program: Program) -> Table:
-    """Places in the design of numbers that must be positive, and their keys."""
-    places = dict(program.design.places)
-    found = {places[key]: name for name, key in reversed(program.design.positive)}
-    order = dict.fromkeys(places[key] for _, key in program.design.positive)
-    return [(found[place], place) for place in order]
+    """Indices in the design of numbers that must be positive, and their keys."""
+    indices = dict(program.design.places)
+    names = {indices[key]: name for name, key in reversed(program.design.positive)}
+    order = dict.fromkeys(indices[key] for _, key in program.design.positive)
+    return [(names[index], index) for index in order]
 
 
 def is_driven(program: Program, system: System) -> bool:
@@ -279,33 +280,33 @@ def slots(program: Program, name: str) -> range:
 
 
 def floors(program: Program, length: float) -> list[float]:
-    """Floors of the coordinates: least measures of the change of each."""
+    """Floors of the coordinates: the least scale of the change of each."""
     lengths = {slot for slot, _ in shift_slots(program)}
-    ignored = {one.place.slot for one in program.auxiliary}
-    own = slots(program, "q")
-    return [IGNORED if k in ignored else length if k in lengths else 1.0 for k in own]
+    ignored = {entry.place.slot for entry in program.auxiliary}
+    entries = slots(program, "q")
+    return [IGNORED if k in ignored else length if k in lengths else 1.0 for k in entries]
 
 
 def shift_slots(program: Program) -> list[tuple[int, int]]:
-    """Slots of each length that changes, in q and in v; first those that are added to."""
-    places = sorted(range(len(program.bodies)), key=program.placed.__contains__)
-    bodies = (program.bodies[k] for k in places)
+    """Slots in q and in v of each variable length; first those that corrections are added to."""
+    order = sorted(range(len(program.bodies)), key=program.placed.__contains__)
+    bodies = (program.bodies[k] for k in order)
     pairs = ((r.slot, v.slot) for body in bodies for r, v in zip(body.r, body.v, strict=True))
     return [(r, v) for r, v in pairs if v >= 0]
 
 
 def added(program: Program) -> int:
-    """Number of lengths that corrections are added to; the others follow from all else."""
+    """Number of lengths that corrections are added to; the lengths of placed bodies follow."""
     placed = (program.bodies[k] for k in program.placed)
     return len(shift_slots(program)) - sum(x.slot >= 0 for body in placed for x in body.v)
 
 
 def turn_slots(program: Program) -> list[tuple[int, int, int]]:
-    """First slot of Euler parameters, that of the turn, and how many parameters vary."""
-    found = []
+    """First slot of the Euler parameters, that of ω′, and count of variable parameters, by body."""
+    turns = []
     for body in program.bodies:
         p = [place.slot for place in body.p if place.slot >= 0]
         omega = [place.slot for place in body.omega_b if place.slot >= 0]
         if p:
-            found.append((p[0], omega[0], len(p)))
-    return found
+            turns.append((p[0], omega[0], len(p)))
+    return turns

@@ -1,4 +1,4 @@
-"""Emit a scene of bodies: the solver in C and in Python, and which number belongs to which body."""
+"""Emission of a scene of bodies: the solver in C and in Python, and the owners of its numbers."""
 
 from __future__ import annotations
 
@@ -39,8 +39,8 @@ TEMPLATES = {
     "__init__.py": "dynamics/__init__.py.jinja",
     "integrate/methods.h": "dynamics/methods.h.jinja",
 }
-#: What scenes lack whose parameters change no rows of loops, or that drivers leave freedom, or
-#: without forces along distances, or that jump.
+#: Files that a solver omits: where parameters change no rows of loops; where drivers leave freedom;
+#: without forces along distances; without forces that jump; without the last two.
 OF_RANK = tuple(f"integrate/{name}" for name in ("rank.h", "rank.py", "nearly_dependent.py"))
 OF_KINEMATICS = ("integrate/kinematics.h", "integrate/kinematics.py")
 OF_DISTANCES = ("integrate/distances.h", "integrate/distances.py")
@@ -60,15 +60,15 @@ def emit_dynamics(
     Parameters
     ----------
     program : Program
-        Task lists, or what inlining made of them, with ``checks`` and ``energies``.
+        Task lists, or the program that inlining made of them, with ``checks`` and ``energies``.
     system : System
-        What the program was composed of.
+        System that the program was composed of.
     outputs : collection of str
-        What is wanted beside positions and velocities, of :data:`PARTS_OF_ROWS`.
+        Outputs of :data:`PARTS_OF_ROWS` beside positions and velocities.
     more : mapping of str to str, optional
         Further files, such as reference values.
     about : About, optional
-        What the scene has beside numbers.
+        Facts about the scene that a user may not expect.
 
     Returns
     -------
@@ -78,13 +78,13 @@ def emit_dynamics(
     length = characteristic_length(system)
     parts = tuple(part for name, part in PARTS_OF_ROWS.items() if name in outputs)
     context = solver_context(program, system, length, parts)
-    lacked = OF_RANK * (not context.looks_at_rank) + OF_KINEMATICS * (not context.is_driven)
-    lacked += OF_DISTANCES * ("HAS_DISTANCE" not in context.features)
-    lacked += OF_BREAKS * ("HAS_BREAKS" not in context.features)
-    lacked += OF_CUTS * {"HAS_DISTANCE", "HAS_BREAKS"}.isdisjoint(context.features)
+    omitted = OF_RANK * (not context.looks_at_rank) + OF_KINEMATICS * (not context.is_driven)
+    omitted += OF_DISTANCES * ("HAS_DISTANCE" not in context.features)
+    omitted += OF_BREAKS * ("HAS_BREAKS" not in context.features)
+    omitted += OF_CUTS * {"HAS_DISTANCE", "HAS_BREAKS"}.isdisjoint(context.features)
     copies = runtime_sources("integrate", MESSAGES)
-    integrator = {name: text for name, text in copies.items() if name not in lacked}
-    given = {
+    integrator = {name: text for name, text in copies.items() if name not in omitted}
+    variables = {
         "solver": context,
         "python": numpy_context(program, system, length, parts),
         "methods": tuple(map(method_text, METHODS)),
@@ -94,7 +94,7 @@ def emit_dynamics(
         system.name,
         f"the motion of {system.name}",
         TEMPLATES,
-        given,
+        variables,
         {**integrator, MOTION_FILE: motion, **(more or {})},
         scene=repr(astuple(system)),
         composition=repr(context),
@@ -106,7 +106,7 @@ def solver_folder(
     name: str,
     title: str,
     templates: Mapping[str, str],
-    given: Mapping[str, object],
+    variables: Mapping[str, object],
     files: Mapping[str, str],
     **made_of: str,
 ) -> dict[str, str]:
@@ -115,25 +115,27 @@ def solver_folder(
     Parameters
     ----------
     name, title : str
-        The scene, and what the folder has of it.
+        Name of the scene, and title of the folder.
     templates : mapping of str to str
         File name, and the template of each.
-    given : mapping of str to object
-        What these see, beside the version of kousoku, digest and key.
+    variables : mapping of str to object
+        Variables of the templates, beside the version of kousoku, digest and key.
     files : mapping of str to str
         Name and text of further files.
     **made_of
-        What else the text is made of, for the digest: scene, composition, plain source.
+        Further inputs of the text, for the digest: scene, composition, plain source.
     """
     package = Package(name, title, f"kousoku generate {name}.toml", ())
     inputs = hashed(**made_of, templates=templates_in("dynamics/", "linkage/"))
     promised = promise(package, inputs)
     stamp = {"version": __version__, "digest": promised.digest, "key": state_key(promised.digest)}
-    read = environment().get_template
-    texts = {name: read(path).render(**given, **stamp) for name, path in templates.items()}
+    template_of = environment().get_template
+    texts = {
+        name: template_of(path).render(**variables, **stamp) for name, path in templates.items()
+    }
     return with_manifest({**texts, **files}, promised)
 
 
 def state_key(digest: str) -> str:
-    """Number that a state of a package begins with: never 0, and exact in a double."""
+    """First number of a state of a package: never 0, and exact in a double."""
     return f"{int(digest[:13], 16) | 1}.0"

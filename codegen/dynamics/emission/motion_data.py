@@ -1,4 +1,4 @@
-"""Places of bodies and joints in a row of numbers, as ``motion.json`` tells them."""
+"""Indices of bodies and joints in rows of results: the content of ``motion.json``."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ if TYPE_CHECKING:
     from kousoku.model.mechanics.multibody import Carried, Instance, MovingBody, System
     from kousoku.runtime.integrate.state import Field
 
-#: Regions that hold what is given, or what no evaluation finds.
+#: Regions that hold inputs, or that no evaluation fills.
 GIVEN = ("t", "parameters", "constants", "q", "v", *ON_DEMAND_REGIONS)
 ZERO_PLACE = CoordinatePlace(-1, 0.0)
-#: Where the ground is, for bodies that it carries.
+#: Coordinates of the ground, for bodies that it carries.
 STILL = BodyCoordinates(
     "",
     (ZERO_PLACE,) * 3,
@@ -61,24 +61,24 @@ def motion_data(
     program : Program
         The scene's program.
     system : System
-        What it was composed of.
+        System that it was composed of.
     parts : sequence of str
         Regions that a row has beyond time, q and v.
     state : sequence of Field
         The layout of the state.
     about : About, optional
-        What the scene has beside numbers.
+        Facts about the scene that a user may not expect.
     """
     about, functions = about or About(), root_functions_of(system)
     q, v = program.region("q").base, program.region("v").base
     varying: dict[str, object] = {"design": _design(program)} if program.design else {}
     if system.given:
         varying["given"] = [
-            asdict(replace(one, mass_properties=tuple(_shown(program, one.mass_properties))))
-            for one in system.given
+            asdict(replace(given, mass_properties=tuple(_shown(program, given.mass_properties))))
+            for given in system.given
         ]
-    if any(one.is_driver for one in system.constraints):
-        varying["driven"] = sorted(system.coordinates[place].name for place in _driven(system))
+    if any(instance.is_driver for instance in system.constraints):
+        varying["driven"] = sorted(system.coordinates[index].name for index in _driven(system))
     return {
         "format": 1,
         "name": system.name,
@@ -109,39 +109,41 @@ def motion_data(
         "coordinates": _coordinates(system, parts) if "coordinates" in parts else [],
         "kept": [
             {
-                "bodies": _names(system, one.bodies),
-                "linear": [list(vector) for vector in one.linear],
-                "angular": [list(vector) for vector in one.angular],
-                "is_central": one.about is None,
+                "bodies": _names(system, momentum.bodies),
+                "linear": [list(vector) for vector in momentum.linear],
+                "angular": [list(vector) for vector in momentum.angular],
+                "is_central": momentum.about is None,
             }
-            for one in program.conserved
+            for momentum in program.conserved
         ],
         **varying,
         "notes": list(about.notes),
         "moved": list(about.moved),
         "duration": about.duration,
         "jumps": list(about.jumps),
-        "events": [[one.name, one.action] for one in system.events],
-        "whens": [one.when for one in system.events],
+        "events": [[event.name, event.action] for event in system.events],
+        "whens": [event.when for event in system.events],
         "led": list(functions.law_drivers),
         "drawn": list(functions.gap_drivers),
         "poles": list(functions.pole_forces),
-        "works": [[one.name, one.place.slot - q] for one in program.auxiliary if one.kind == WORK],
+        "works": [
+            [work.name, work.place.slot - q] for work in program.auxiliary if work.kind == WORK
+        ],
     }
 
 
 def _design(program: Program) -> dict[str, object]:
-    """Places of numbers that depend on parameters: in the workspace, and among them."""
-    region, places = program.region("design"), dict(program.design.places)
+    """Indices of numbers that depend on parameters: in the workspace, and among themselves."""
+    region, indices = program.region("design"), dict(program.design.places)
     return {
         "place": [region.base, region.size],
         "start": [list(pair) for pair in start_places(program)],
-        "positive": [[name, places[key]] for name, key in program.design.positive],
+        "positive": [[name, indices[key]] for name, key in program.design.positive],
     }
 
 
 def _shown(program: Program, values: Iterable[float]) -> list[int | float]:
-    """Number, or its index in the design where it depends on parameters."""
+    """Numbers, each replaced by its index in the design where it depends on parameters."""
     return [program.design.place(x) if is_varying(x) else x for x in values]
 
 
@@ -154,8 +156,8 @@ def _start(program: Program) -> dict[str, list[float]]:
             for place in places:
                 if place.slot >= 0:
                     start[name][place.slot - bases[name]] = place.value
-    for one in program.auxiliary:
-        start["q"][one.place.slot - bases["q"]] = one.place.value
+    for entry in program.auxiliary:
+        start["q"][entry.place.slot - bases["q"]] = entry.place.value
     return start
 
 
@@ -175,78 +177,78 @@ def _checked(program: Program, system: System) -> list[str]:
 
 
 def _reactions(program: Program, system: System) -> list[dict[str, object]]:
-    """Reactions by joint: on which body it acts, where, and which components are computed."""
+    """Reactions of joints: the body that each acts on, its point, and its computed components."""
     every = (*program.rows, *program.left_out, *program.satisfied)
     rows = sorted(every, key=lambda row: row.instance)
     joints: dict[str, list[Instance]] = {}
     for row in rows:
         joints.setdefault(row.joint, []).append(system.constraints[row.instance])
     points = points_of(system)
-    bases = [[place.slot for place in (*one.v, *one.omega_b)] for one in program.bodies]
-    found: list[dict[str, object]] = []
+    bases = [[place.slot for place in (*body.v, *body.omega_b)] for body in program.bodies]
+    reactions: list[dict[str, object]] = []
     first = 0
     for joint, instances in joints.items():
-        bodies = tuple(dict.fromkeys(body for one in instances for body in one.bodies))
+        bodies = tuple(dict.fromkeys(body for instance in instances for body in instance.bodies))
         ends = loaded_bodies(bodies)
         for body in ends:
-            own = system.bodies[body]
+            loaded = system.bodies[body]
             live = sorted(slot for slot in bases[body] if slot >= 0)
             is_shared = len(bodies) > 2
-            found.append(
+            reactions.append(
                 {
-                    "joint": f"{joint}.{own.name}" if is_shared else joint,
+                    "joint": f"{joint}.{loaded.name}" if is_shared else joint,
                     "body": body,
                     "j": body if is_shared else bodies[1],
                     "point_b": _shown(
-                        program, own.origin_b if is_shared else points.get(joint, ORIGIN)
+                        program, loaded.origin_b if is_shared else points.get(joint, ORIGIN)
                     ),
                     "columns": [first + live.index(k) if k >= 0 else -1 for k in bases[body]],
                 }
             )
             first += len(live)
-    return found
+    return reactions
 
 
 def _coordinates(system: System, parts: Sequence[str]) -> list[dict[str, object]]:
-    """Places of value, rate and acceleration of the coordinates that are shown."""
+    """Columns of value, rate and acceleration of the coordinates that are shown."""
     count = 3 if "v_dot" in parts else 2
     return [
         {
-            "name": system.coordinates[place].name,
-            "is_length": is_length(system.coordinates[place].kind),
+            "name": system.coordinates[index].name,
+            "is_length": is_length(system.coordinates[index].kind),
             "columns": list(range(count * k, count * (k + 1))),
         }
-        for k, place in enumerate(system.shown)
+        for k, index in enumerate(system.shown)
     ]
 
 
 def _driven(system: System) -> set[int]:
-    """Coordinates that drivers determine, alone or by combinations with others that they do."""
-    found: set[int] = set()
+    """Coordinates that drivers determine, directly or by combinations with such coordinates."""
+    driven: set[int] = set()
     before = -1
-    while before < len(found):
-        before = len(found)
-        for one in system.constraints:
-            left = {term.coordinate for term in one.terms} - found
-            is_led = one.is_driver or len(left) < len(one.terms)
-            found |= left if len(left) == 1 and is_led else set()
-    return found
+    while before < len(driven):
+        before = len(driven)
+        for instance in system.constraints:
+            unknown = {term.coordinate for term in instance.terms} - driven
+            is_determining = instance.is_driver or len(unknown) < len(instance.terms)
+            driven |= unknown if len(unknown) == 1 and is_determining else set()
+    return driven
 
 
 def _names(system: System, bodies: Sequence[int]) -> list[str]:
-    """Names of bodies, of all that they carry where they carry some."""
+    """Names of bodies; in a scene with carried bodies, of those that they carry."""
     if not system.carried:
         return [system.bodies[index].name for index in bodies]
-    return [one.name for one in system.carried if one.carrier in bodies]
+    return [body.name for body in system.carried if body.carrier in bodies]
 
 
 def _bodies(program: Program, system: System, q: int, v: int) -> list[dict[str, object]]:
-    """Places of all bodies of the scene, those too that others carry."""
+    """Indices of all bodies of the scene, carried ones included."""
     if not system.carried:
         pairs = zip(system.bodies, program.bodies, strict=True)
         return [_body(program, body, places, q, v) for body, places in pairs]
     carriers = (*program.bodies, STILL)
-    return [_body(program, one, carriers[one.carrier], q, v) for one in system.carried]
+    return [_body(program, body, carriers[body.carrier], q, v) for body in system.carried]
 
 
 def _body(
@@ -265,5 +267,5 @@ def _body(
 
 
 def _numbers(places: Iterable[CoordinatePlace], base: int) -> Sequence[int | float]:
-    """Index for a coordinate, a number for a constant."""
+    """Indices of coordinates, and values of constants."""
     return [place.slot - base if place.slot >= 0 else float(place.value) for place in places]

@@ -59,26 +59,26 @@ PYTHON = Printer(
 
 @dataclass(frozen=True, slots=True)
 class PythonKernel:
-    """A kernel as a function from a list of values to a list of values.
+    """Kernel as a function from a list of values to a list of values.
 
     Parameters
     ----------
     name : str
-        ``kernel_3``, or that of the segment that it is, or a part of.
+        ``kernel_3``, or the name of the segment that it is, or is a part of.
     title : str
-        What it computes.
+        Title of its results.
     operations : int
-        What one task costs.
+        Scalar operations of one task.
     inputs : tuple of str
         The names of the values that it reads.
     statements : tuple of (str, str)
         Name and text of each intermediate value.
     results : tuple of str
-        The texts of the values that it writes, each with where it goes.
+        The texts of the values that it writes, each with its target.
     runs : int
-        How many runs of slots a task lists.
+        Count of the runs of slots that a task lists.
     reads, writes : str
-        Run, and place in it, of each value that it reads and writes.
+        Run, and index in the run, of each value that it reads and writes.
     """
 
     name: str
@@ -94,16 +94,16 @@ class PythonKernel:
 
 @dataclass(frozen=True, slots=True)
 class PythonSegment:
-    """The tasks of a segment, level by level: kernel, count, then the slots of each task.
+    """Tasks of a segment, level by level: kernel, count, then the slots of each task.
 
     Parameters
     ----------
     name, meaning : str
         Its name, and what it reads and writes.
     contents : tuple of str
-        What was inlined into it, in lines.
+        Contents that were inlined into it, in lines.
     table : str
-        The numbers, in lines that end with what a task belongs to.
+        The numbers, in lines that end with the owner of a task.
     """
 
     name: str
@@ -119,16 +119,15 @@ class NumpyContext:
     Parameters
     ----------
     name : str
-        The scene.
+        Name of the scene.
     numbers : tuple of (str, str)
-        Fields of the scene's record that are short: name and text, where it is not that of scenes
-        that lack the thing.
+        Short fields of the scene's record whose values are not the defaults: name and text.
     regions : tuple of (str, int, int)
         Name, first slot and size of those that are not empty.
     kernels, segments : tuple
         In order.
     tables : mapping of str to str
-        Tables that have rows, in lines that end with what their rows belong to.
+        Tables that have rows, in lines that end with the owners of their rows.
     """
 
     name: str
@@ -147,9 +146,9 @@ def numpy_context(
     Parameters
     ----------
     program : Program
-        Task lists, or what inlining made of them.
+        Task lists, or the program that inlining made of them.
     system : System
-        What it was composed of.
+        System that it was composed of.
     length : float [m]
         A length of the scene, to which corrections are compared.
     parts : sequence of str
@@ -172,7 +171,7 @@ def numpy_context(
         "has_fractional_powers": root_functions_of(system).has_fractional_powers,
     }
     lacking = {field.name: field.default for field in fields(SceneTables)}
-    found = {"constants": _numbers(map(literal, program.constants))} | {
+    texts = {"constants": _numbers(map(literal, program.constants))} | {
         name: _table(table)
         for name, table in tables(program, system, length, parts).items()
         if name != "parts"
@@ -189,13 +188,15 @@ def numpy_context(
         segments=tuple(
             python_segment(program, segment) for segment in (*program.segments, *program.on_demand)
         ),
-        tables={name: text for name, text in found.items() if text},
+        tables={name: text for name, text in texts.items() if text},
     )
 
 
 def regions_of(program: Program) -> tuple[tuple[str, int, int], ...]:
     """Name, first slot and size of the regions that are not empty."""
-    return tuple((one.name, one.base, one.size) for one in program.regions if one.size)
+    return tuple(
+        (region.name, region.base, region.size) for region in program.regions if region.size
+    )
 
 
 def python_kernels(program: Program) -> Iterator[PythonKernel]:
@@ -222,21 +223,21 @@ def python_kernel(
     Parameters
     ----------
     name : str
-        Of the function.
+        Name of the function.
     kernel : Kernel
-        What it computes.
+        The kernel.
     slots : Slots, optional
         The regions of the workspace, of a kernel that takes all of it.
     targets : sequence of int
-        Then the first slot of each output.
+        First slot of each output of such a kernel.
     """
     outputs = tuple(range(len(kernel.outputs)))
     runs = {quantity.name: k for k, quantity in enumerate(kernel.inputs)}
     symbols = (kernel.nodes[node].symbol for node in live_nodes(kernel, outputs))
     read = sorted((runs[symbol[0]], symbol[1], symbol) for symbol in symbols if symbol)
     leaves = {
-        symbol: "{}_{}".format(*slots.name(place)) if slots else f"x{run}_{place}"
-        for run, place, symbol in read
+        symbol: "{}_{}".format(*slots.name(index)) if slots else f"x{run}_{index}"
+        for run, index, symbol in read
     }
     namer = Namer()
     for taken in ("m", "x", *leaves.values()):
@@ -248,9 +249,11 @@ def python_kernel(
     results: list[str] = []
     for k, quantity in enumerate(kernel.outputs):
         elements = output_text(kernel, k, "", texts).elements
-        places = range(len(elements))
-        goes = [slots.text(targets[k] + n) if slots else f"{quantity.name}[{n}]" for n in places]
-        results += map(_told, elements, goes)
+        destinations = [
+            slots.text(targets[k] + n) if slots else f"{quantity.name}[{n}]"
+            for n in range(len(elements))
+        ]
+        results += map(_with_target, elements, destinations)
     return PythonKernel(
         name=name,
         title=kernel.title,
@@ -259,19 +262,19 @@ def python_kernel(
         statements=tuple((s.name, s.text) for s in statements),
         results=tuple(results),
         runs=len(kernel.inputs) + len(kernel.outputs),
-        reads=_numbers(x for run, place, _ in read for x in (run, place)),
+        reads=_numbers(x for run, index, _ in read for x in (run, index)),
         writes=_numbers(
             x
             for run, quantity in enumerate(kernel.outputs, len(kernel.inputs))
-            for place in range(quantity.size)
-            for x in (run, place)
+            for index in range(quantity.size)
+            for x in (run, index)
         ),
     )
 
 
-def _told(text: str, place: str) -> str:
-    """Item of a list with where it goes, if that fits into a line."""
-    line = f"{text},  # {place}"
+def _with_target(text: str, target: str) -> str:
+    """Item of a list, with its target as a comment if that fits into a line."""
+    line = f"{text},  # {target}"
     return line if len(line) <= 92 else f"{text},"
 
 
@@ -279,13 +282,13 @@ def python_segment(program: Program, segment: Segment) -> PythonSegment:
     """Tasks of a segment as a table in text."""
     lines: list[str] = []
     for level in levels(program, segment):
-        equal: dict[int, list[int]] = {}
-        for place in level:
-            equal.setdefault(segment.tasks[place].kernel, []).append(place)
-        for kernel, found in equal.items():
-            lines.append(f"{kernel} {len(found)}")
-            for place in found:
-                task = segment.tasks[place]
+        by_kernel: dict[int, list[int]] = {}
+        for index in level:
+            by_kernel.setdefault(segment.tasks[index].kernel, []).append(index)
+        for kernel, indices in by_kernel.items():
+            lines.append(f"{kernel} {len(indices)}")
+            for index in indices:
+                task = segment.tasks[index]
                 slots = _numbers((*task.inputs, *task.outputs))
                 fits = len(slots) + len(task.owner) + 3 <= 100
                 lines += [f"{slots} # {task.owner}"] if task.owner and fits else [slots]
@@ -294,7 +297,7 @@ def python_segment(program: Program, segment: Segment) -> PythonSegment:
 
 
 def _table(table: Table) -> str:
-    """Table in lines, each with the name that it belongs to: rows of one number share a line."""
+    """Table in lines, each with the name of its owner: rows of one number share a line."""
     lines = []
     for owner, run in groupby(table, key=itemgetter(0)):
         rows = [row for _, row in run]

@@ -9,27 +9,27 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.program import Program
 
-#: What is passed from function to function, behind all regions.
+#: Region of the values that functions pass to each other, behind all others.
 SCRATCH = "scratch"
 
 
 @dataclass(frozen=True, slots=True)
 class Slots:
-    """The regions of a workspace, in order.
+    """Regions of a workspace, in order.
 
     Parameters
     ----------
     bases : tuple of int
-        Where they begin.
+        First slot of each.
     names : tuple of str
-        As in ``REGIONS``, at last ``scratch``.
+        Names as in ``REGIONS``, ``scratch`` last.
     """
 
     bases: tuple[int, ...]
     names: tuple[str, ...]
 
     def name(self, slot: int) -> tuple[str, int]:
-        """Region of a slot, and its place there."""
+        """Region of a slot, and its index in the region."""
         k = bisect_right(self.bases, slot) - 1
         return self.names[k], slot - self.bases[k]
 
@@ -40,7 +40,7 @@ class Slots:
 
 def slots_of(program: Program) -> Slots:
     """Regions of a program; those that are empty have no slots."""
-    regions = sorted((one.base, one.name) for one in program.regions if one.size)
-    end = max((one.base + one.size for one in program.regions if one.size), default=0)
+    regions = sorted((region.base, region.name) for region in program.regions if region.size)
+    end = max((region.base + region.size for region in program.regions if region.size), default=0)
     bases, names = zip(*regions, (end, SCRATCH), strict=True)
     return Slots(bases, names)

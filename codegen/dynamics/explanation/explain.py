@@ -1,6 +1,6 @@
-"""Parts that a scene does not need, step by step, and the structure of the rest.
+"""Steps that simplify the equations of a scene, and the structure of those that remain.
 
-A step compares two programs of the same scene: one that does without, and one that does not.
+A step compares two programs of the same scene, one before it and one after it.
 """
 
 from __future__ import annotations
@@ -54,13 +54,13 @@ class SavedStep:
     Parameters
     ----------
     name, detail : str
-        What was done, and to what.
+        Simplification, and the parts of the scene that it concerns.
     rows, columns : int
         Rows of C_q and velocities.
     operations : int
         Scalar operations of all segments, each run once.
     bytes : int
-        Of the workspace.
+        Bytes of the workspace.
     """
 
     name: str
@@ -73,24 +73,24 @@ class SavedStep:
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Explanation:
-    """Explanation of a solver: steps that the scene does not need, and the structure of the rest.
+    """Explanation of a solver: savings by each step, and the structure of what remains.
 
     Parameters
     ----------
     name : str
-        The scene.
+        Name of the scene.
     steps : tuple of SavedStep
-        In the order in which they are taken.
+        Savings, in the order of the steps.
     segments : tuple of (str, int)
         Operations of each segment of the program.
     structure : Structure
-        What remains.
+        Structure of the equations that remain.
     freedom : Freedom
         Degrees of freedom and dependent rows.
     removed : tuple of str
         The rows that depend on others, such as ``a: row 1 of p1_z``.
     drivers : tuple of str
-        What prescribes motions.
+        Drivers, which prescribe motions.
     is_planar : bool
         Whether it is solved in a coordinate plane.
     """
@@ -130,14 +130,14 @@ class Explanation:
 
 
 def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
-    """Explanation of a scene of bodies: steps that it does not need, and the structure of the rest.
+    """Explanation of a scene of bodies: savings by each step, and the structure of what remains.
 
     Parameters
     ----------
     scene : Scene
         A checked spatial scene.
     outputs : sequence of str, optional
-        What is wanted beside positions and velocities; what the scene says unless given.
+        Outputs beside positions and velocities; unless given, those of the scene.
 
     Raises
     ------
@@ -147,35 +147,37 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
     names = scene.outputs if outputs is None else outputs
     assembled = assemble_scene(scene, names).system
     wanted = (*LEDGER_OUTPUTS, *names)
-    found = analyse(assembled, wanted)
+    analysed = analyse(assembled, wanted)
     unlumped = _with_masses(assembled)
-    system, freedom = found.system, found.freedom
-    choice = choice_of(found, wanted)
-    whole, program = choice.whole, choice.program
-    prescribed = cheaper(choice.analysed, wanted, whole, PRESCRIBED)
-    kept = whole if choice.analysed is found else compose(found, wanted)
-    full = compose(with_all_rows(system, found.outline.plane), wanted) if freedom.dropped else kept
-    final = inline(program)
+    system, freedom = analysed.system, analysed.freedom
+    choice = choice_of(analysed, wanted)
+    absolute, program = choice.absolute, choice.program
+    prescribed = cheaper(choice.analysed, wanted, absolute, PRESCRIBED)
+    kept = absolute if choice.analysed is analysed else compose(analysed, wanted)
+    full = (
+        compose(with_all_rows(system, analysed.outline.plane), wanted) if freedom.dropped else kept
+    )
+    inlined = inline(program)
     structure = structure_of(system, program)
     steps = [
-        *_counted(system, program),
-        *_compared(unlumped, found, full, wanted),
-        _step("redundant rows removed", _of_rows(freedom), full, kept),
-        *_out_of_plane(kept, whole),
+        *_counted_steps(system, program),
+        *_compared_steps(unlumped, analysed, full, wanted),
+        _step("redundant rows removed", _rows_detail(freedom), full, kept),
+        *_out_of_plane_steps(kept, absolute),
         SavedStep("parts solved apart", f"{structure.parts} without a common moving body"),
-        *_of_reduction(system, freedom, (whole, prescribed, program)),
-        _step("straight-line code", _of_code(final, program), program, final),
-        *_of_design(system, program),
+        *_reduction_steps(system, freedom, (absolute, prescribed, program)),
+        _step("straight-line code", _code_detail(inlined, program), program, inlined),
+        *_design_steps(system, program),
     ]
     segments: dict[str, int] = {}
-    for one in counts(final):
-        segments[one.segment] = segments.get(one.segment, 0) + one.operations
+    for cost in counts(inlined):
+        segments[cost.segment] = segments.get(cost.segment, 0) + cost.operations
     return Explanation(
         name=scene.name,
         steps=tuple(steps),
         segments=tuple(segments.items()),
         structure=structure,
-        freedom=_freedom_unlumped(unlumped) if found.lumped else freedom,
+        freedom=_freedom_unlumped(unlumped) if analysed.lumped else freedom,
         removed=tuple(
             f"{row.joint}: row {row.row} of {kind_name(system.constraints[row.instance].kind)}"
             for row in freedom.dropped
@@ -186,34 +188,34 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
 
 
 def _freedom_unlumped(system: System) -> Freedom:
-    """Freedom of a scene in which all bodies are apart."""
-    found = with_all_rows(system, plane_of(system))
-    return freedom_of(fixed_system(system), found.outline)
+    """Freedom of a scene whose bodies are all separate."""
+    analysed = with_all_rows(system, plane_of(system))
+    return freedom_of(fixed_system(system), analysed.outline)
 
 
-def _compared(
-    unlumped: System, found: Analysed, full: Program, wanted: Sequence[str]
+def _compared_steps(
+    unlumped: System, analysed: Analysed, full: Program, wanted: Sequence[str]
 ) -> Iterator[SavedStep]:
-    """Steps that compare two programs, from one that leaves nothing out."""
-    all_of = tuple(dict.fromkeys((*ALL, *wanted)))
-    with_inertias = with_all_inertias(found.system)
-    unfolded = compose(with_all_rows(_generic(_spinning(with_inertias)), None), all_of)
-    if found.lumped:
-        separate = compose(with_all_rows(_generic(_spinning(unlumped)), None), all_of)
-        yield _step("bodies joined rigidly", _of_joints(found), separate, unfolded)
+    """Steps that compare two programs, beginning with the one that leaves nothing out."""
+    all_outputs = tuple(dict.fromkeys((*ALL, *wanted)))
+    with_inertias = with_all_inertias(analysed.system)
+    unfolded = compose(with_all_rows(_generic(_spinning(with_inertias)), None), all_outputs)
+    if analysed.lumped:
+        separate = compose(with_all_rows(_generic(_spinning(unlumped)), None), all_outputs)
+        yield _step("bodies joined rigidly", _lumping_detail(analysed), separate, unfolded)
     else:
-        yield SavedStep("bodies joined rigidly", _of_fixed(unlumped, wanted))
-    spinning = compose(with_all_rows(_spinning(with_inertias), None), all_of)
-    in_space = compose(with_all_rows(with_inertias, None), all_of)
+        yield SavedStep("bodies joined rigidly", _fixed_detail(unlumped, wanted))
+    spinning = compose(with_all_rows(_spinning(with_inertias), None), all_outputs)
+    in_space = compose(with_all_rows(with_inertias, None), all_outputs)
     folded = structure_of(with_inertias, in_space)
-    yield _step("zeros and ones folded", _of_elements(folded), unfolded, spinning)
-    yield _step("gyroscopic terms", _of_moments(with_inertias), spinning, in_space)
-    everything = compose(with_all_rows(found.system, found.outline.plane), all_of)
-    yield _step("planar", _of_plane(found), in_space, everything)
-    yield _step("outputs not wanted", _of_outputs(wanted), everything, full)
+    yield _step("zeros and ones folded", _elements_detail(folded), unfolded, spinning)
+    yield _step("gyroscopic terms", _moments_detail(with_inertias), spinning, in_space)
+    everything = compose(with_all_rows(analysed.system, analysed.outline.plane), all_outputs)
+    yield _step("planar", _plane_detail(analysed), in_space, everything)
+    yield _step("outputs not wanted", _outputs_detail(wanted), everything, full)
 
 
-def _out_of_plane(kept: Program, program: Program) -> list[SavedStep]:
+def _out_of_plane_steps(kept: Program, program: Program) -> list[SavedStep]:
     """Cost of reactions that the motion in a plane does not determine."""
     if program.is_planar == kept.is_planar:
         return []
@@ -237,18 +239,19 @@ def _columns(program: Program) -> int:
     return program.region("v").size - len(program.satisfied)
 
 
-def _counted(system: System, program: Program) -> list[SavedStep]:
-    """Steps that leave nothing to compare with: avoided operations are counted."""
+def _counted_steps(system: System, program: Program) -> list[SavedStep]:
+    """Steps without a program to compare with: their avoided operations are counted."""
     shipped = shipped_kinds()
-    kinds = [one.kind for one in system.constraints]
-    kinds += [one.kind for one in system.coordinates] + [one.kind for one in system.forces]
+    kinds = [instance.kind for instance in system.constraints]
+    kinds += [coordinate.kind for coordinate in system.coordinates]
+    kinds += [force.kind for force in system.forces]
     used = [name for name in dict.fromkeys(kinds) if name in shipped]
-    own = [kind_name(name) for name in dict.fromkeys(kinds) if is_own(name)]
-    of_own = f"; of one's own: {', '.join(own)}" if own else ""
-    used_of = f"{len(used)} of {len(shipped)} used: {', '.join(used) or 'none'}{of_own}"
-    grounded = sum(GROUND_INDEX in one.bodies for one in system.constraints)
+    own_kinds = [kind_name(name) for name in dict.fromkeys(kinds) if is_own(name)]
+    own_text = f"; of one's own: {', '.join(own_kinds)}" if own_kinds else ""
+    kinds_text = f"{len(used)} of {len(shipped)} used: {', '.join(used) or 'none'}{own_text}"
+    grounded = sum(GROUND_INDEX in instance.bodies for instance in system.constraints)
     return [
-        SavedStep("kinds not used", used_of),
+        SavedStep("kinds not used", kinds_text),
         SavedStep("ground has no columns", f"{grounded} constraints with the ground", columns=6),
         SavedStep(
             "mass blocks inverted beforehand",
@@ -259,7 +262,7 @@ def _counted(system: System, program: Program) -> list[SavedStep]:
 
 
 def _with_masses(system: System) -> System:
-    """System with bodies that all weigh something, which one of many need not do."""
+    """System whose bodies all have mass and inertia, 1 kg where there is no mass."""
     bodies = tuple(replace(body, mass=body.mass or 1.0) for body in system.bodies)
     return with_all_inertias(replace(system, bodies=bodies))
 
@@ -280,10 +283,12 @@ def _generic(system: System) -> System:
     return replace(
         system,
         constraints=tuple(
-            replace(one, constants=_without_zeros(one.constants)) for one in system.constraints
+            replace(instance, constants=_without_zeros(instance.constants))
+            for instance in system.constraints
         ),
         coordinates=tuple(
-            replace(one, constants=_without_zeros(one.constants)) for one in system.coordinates
+            replace(coordinate, constants=_without_zeros(coordinate.constants))
+            for coordinate in system.coordinates
         ),
     )
 
@@ -296,7 +301,7 @@ def _without_zeros(constants: Constants) -> Constants:
     )
 
 
-def _of_design(system: System, program: Program) -> list[SavedStep]:
+def _design_steps(system: System, program: Program) -> list[SavedStep]:
     """Numbers that parameters change, and the cost of changing them."""
     if not program.design:
         return []
@@ -308,12 +313,12 @@ def _of_design(system: System, program: Program) -> list[SavedStep]:
     return [SavedStep("numbers that stay arguments", detail)]
 
 
-def _of_joints(found: Analysed) -> str:
-    bodies = len(found.system.carried)
-    return f"{', '.join(found.lumped)} left out: {bodies} bodies move as {len(found.system.bodies)}"
+def _lumping_detail(analysed: Analysed) -> str:
+    bodies, lumped = len(analysed.system.carried), len(analysed.system.bodies)
+    return f"{', '.join(analysed.lumped)} left out: {bodies} bodies move as {lumped}"
 
 
-def _of_fixed(system: System, wanted: Sequence[str]) -> str:
+def _fixed_detail(system: System, wanted: Sequence[str]) -> str:
     if not fixed_joints(fixed_system(system)):
         return "no fixed joint"
     if not fixed_joints(system):
@@ -321,85 +326,87 @@ def _of_fixed(system: System, wanted: Sequence[str]) -> str:
     return "their reactions are wanted" if "reactions" in wanted else "not where it costs more"
 
 
-def _of_moments(system: System) -> str:
-    """Say of how many bodies moments are equal, so that (I₂ − I₃)/I₁ and its like are zero."""
+def _moments_detail(system: System) -> str:
+    """Text of the count of ratios (I₂ − I₃)/I₁ and alike that are zero, as moments are equal."""
     ratios = [gyroscopic_ratios(body, range(6)) for body in system.bodies if not body.is_point]
-    gone = sum(ratio == 0 for own in ratios for ratio in own)
-    return f"{gone} of {3 * len(ratios)} are zero in space: equal moments of inertia"
+    zeros = sum(ratio == 0 for row in ratios for ratio in row)
+    return f"{zeros} of {3 * len(ratios)} are zero in space: equal moments of inertia"
 
 
-def _of_reduction(
+def _reduction_steps(
     system: System, freedom: Freedom, programs: tuple[Program, Program, Program]
 ) -> list[SavedStep]:
-    """Saving by the coordinates of joints with the ground.
+    """Savings by the coordinates of joints with the ground.
 
-    ``programs`` are without that, with bodies that drivers lead, and with all.
+    ``programs`` are the one without them, the one with them for driven bodies, and the final one.
     """
-    whole, prescribed, program = programs
+    absolute, prescribed, program = programs
     return [
         _step(
             "prescribed bodies evaluated",
-            _of_drivers(system, prescribed, freedom),
-            whole,
+            _drivers_detail(system, prescribed, freedom),
+            absolute,
             prescribed,
         ),
         _step(
             "dependent coordinates eliminated",
-            _of_ground(system, prescribed, program),
+            _ground_detail(system, prescribed, program),
             prescribed,
             program,
         ),
     ]
 
 
-def _of_drivers(system: System, prescribed: Program, freedom: Freedom) -> str:
-    """Say which bodies drivers lead: their positions are formulas of the time."""
+def _drivers_detail(system: System, prescribed: Program, freedom: Freedom) -> str:
+    """Text of the bodies that drivers lead: their positions are formulas of the time."""
     drivers = drivers_of(system)
     if not drivers:
         return "no driver"
-    led = _bodies_of(system, prescribed) or "no body that hangs on the ground alone"
-    found = f"{', '.join(drivers)}: {led}"
-    return found if freedom.degrees else f"{found}; nothing is left to integrate"
+    driven = _reduced_bodies(system, prescribed) or "no body that hangs on the ground alone"
+    text = f"{', '.join(drivers)}: {driven}"
+    return text if freedom.degrees else f"{text}; nothing is left to integrate"
 
 
-def _of_ground(system: System, prescribed: Program, program: Program) -> str:
-    """Say which bodies have the velocities that their joint with the ground leaves."""
+def _ground_detail(system: System, prescribed: Program, program: Program) -> str:
+    """Text of the bodies that have the velocities that their joint with the ground leaves."""
     if program.left_out:
         return "rows depend on others: all are needed"
-    names = _bodies_of(system, program, prescribed)
+    names = _reduced_bodies(system, program, prescribed)
     return f"{names}: by what the ground leaves free" if names else "cheaper for no body"
 
 
-def _bodies_of(system: System, program: Program, without: Program | None = None) -> str:
-    """Names of bodies that are put onto joints."""
-    known = without.satisfied if without else ()
-    rows = (system.constraints[row.instance] for row in program.satisfied if row not in known)
-    bodies = dict.fromkeys(max(one.bodies) for one in rows)
+def _reduced_bodies(system: System, program: Program, without: Program | None = None) -> str:
+    """Names of bodies in coordinates of joints, those of another program left out."""
+    excluded = without.satisfied if without else ()
+    rows = (system.constraints[row.instance] for row in program.satisfied if row not in excluded)
+    bodies = dict.fromkeys(max(instance.bodies) for instance in rows)
     names = [system.bodies[k].name for k in bodies]
     return listed(names)
 
 
-def _of_elements(structure: Structure) -> str:
+def _elements_detail(structure: Structure) -> str:
     return f"{structure.elements} of {structure.dense} elements of C_q are not zero in space"
 
 
-def _of_plane(found: Analysed) -> str:
+def _plane_detail(analysed: Analysed) -> str:
     return (
-        "proven to stay in a coordinate plane" if found.outline.is_planar else "not in such a plane"
+        "proven to stay in a coordinate plane"
+        if analysed.outline.is_planar
+        else "not in such a plane"
     )
 
 
-def _of_outputs(wanted: Sequence[str]) -> str:
-    left = [name for name in ALL if name not in wanted]
-    return f"{', '.join(left)} not computed" if left else "all are wanted"
+def _outputs_detail(wanted: Sequence[str]) -> str:
+    omitted = [name for name in ALL if name not in wanted]
+    return f"{', '.join(omitted)} not computed" if omitted else "all are wanted"
 
 
-def _of_rows(freedom: Freedom) -> str:
+def _rows_detail(freedom: Freedom) -> str:
     if not freedom.dropped:
         return "not looked for in all parts" if freedom.unknown else "none depends on others"
     names = dict.fromkeys(row.joint for row in freedom.dropped)
     return f"of {', '.join(names)}"
 
 
-def _of_code(final: Program, program: Program) -> str:
-    return "loops over equal tasks stay" if final is program else "all tasks on one graph"
+def _code_detail(inlined: Program, program: Program) -> str:
+    return "loops over equal tasks stay" if inlined is program else "all tasks on one graph"

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.program import CoordinatePlace, Program
     from kousoku.model.mechanics.multibody import System
 
-#: What is smaller at a position without a pattern is zero everywhere.
+#: Elements that are smaller at a position without a pattern are zero everywhere.
 NEGLIGIBLE_ENTRY = 1e-13
 #: Multiples of it, less whole numbers, have no pattern: none is 0 or 1, and no two are equal.
 GOLDEN = 0.6180339887498949
@@ -43,7 +43,7 @@ class Structure:
     schur : int
         Elements of the lower triangle of S = C_q M⁻¹ C_qᵀ, by blocks of joints.
     fill_in : int
-        Elements that its factors have beyond those.
+        Further elements of its factors.
     parts : int
         Parts of the scene that share no moving body: no element of S couples them.
     """
@@ -97,12 +97,12 @@ def _joints(system: System, program: Program) -> tuple[list[tuple[int, ...]], li
 
 
 def _free(system: System, program: Program) -> dict[int, int]:
-    """Number of velocities of bodies that are put onto a joint with the ground."""
+    """Number of velocities, by body, of bodies in coordinates of a joint with the ground."""
     free: dict[int, int] = {}
     for row in program.satisfied:
         body = max(system.constraints[row.instance].bodies)
-        places = program.bodies[body]
-        free.setdefault(body, sum(x.slot >= 0 for x in (*places.v, *places.omega_b)))
+        coordinates = program.bodies[body]
+        free.setdefault(body, sum(x.slot >= 0 for x in (*coordinates.v, *coordinates.omega_b)))
         free[body] -= 1
     return free
 
@@ -122,16 +122,16 @@ def _coupled(ends: Sequence[tuple[int, ...]], free: Mapping[int, int]) -> list[t
 
 def _parts(count: int, ends: Sequence[tuple[int, ...]]) -> int:
     """Number of groups of bodies that joints make, the ground aside."""
-    together = DisjointSets(range(count))
+    groups = DisjointSets(range(count))
     for bodies in ends:
         first, *others = [body for body in bodies if body != GROUND_INDEX] or [GROUND_INDEX]
         for other in others:
-            together.join(first, other)
-    return len(together.sets())
+            groups.join(first, other)
+    return len(groups.sets())
 
 
 def _columns(program: Program) -> list[int]:
-    """Columns that bodies have; six in turn belong to each."""
+    """Columns of velocities that vary, of six columns for each body."""
     places = (place for body in program.bodies for place in (*body.v, *body.omega_b))
     return [k for k, place in enumerate(places) if place.slot >= 0]
 
@@ -139,20 +139,20 @@ def _columns(program: Program) -> list[int]:
 def _elements(system: System, program: Program, free: Mapping[int, int]) -> int:
     """Count of elements that are not zero at a position without a pattern.
 
-    Of a body that is put onto a joint each row that has any has so many as it has velocities.
+    A body in coordinates of a joint has an element per velocity in each row that has any.
     """
     fixed = fixed_system(system)
     residuals = Residuals.of(fixed, fixed.constraints)
     numbers = iter(range(1, 7 * len(program.bodies) + 1))
 
-    def anywhere(places: Sequence[CoordinatePlace]) -> list[float]:
+    def generic(coordinates: Sequence[CoordinatePlace]) -> list[float]:
         return [
             place.value if place.slot < 0 else 0.25 + number * GOLDEN % 1.0
-            for place, number in zip(places, numbers, strict=False)
+            for place, number in zip(coordinates, numbers, strict=False)
         ]
 
-    r = [anywhere(body.r) for body in program.bodies]
-    p = [anywhere(body.p) for body in program.bodies]
+    r = [generic(body.r) for body in program.bodies]
+    p = [generic(body.p) for body in program.bodies]
     ground = [0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]
     _, rows, columns, values = residuals.elements(
         np.array([*r, ground[0]]), np.array([*p, ground[1]])
@@ -162,8 +162,8 @@ def _elements(system: System, program: Program, free: Mapping[int, int]) -> int:
         kept_rows[residuals.first[row.instance] + row.row] = True
     kept_columns = np.zeros(residuals.columns, bool)
     kept_columns[_columns(program)] = True
-    there = kept_rows[rows] & kept_columns[columns] & (np.abs(values) > NEGLIGIBLE_ENTRY)
-    places = np.unique(rows[there] * residuals.columns + columns[there])  # bodies may be shared
-    blocks, counts = np.unique(places // COLUMNS, return_counts=True)
+    kept = kept_rows[rows] & kept_columns[columns] & (np.abs(values) > NEGLIGIBLE_ENTRY)
+    elements = np.unique(rows[kept] * residuals.columns + columns[kept])  # bodies may be shared
+    blocks, counts = np.unique(elements // COLUMNS, return_counts=True)
     bodies = (blocks % (residuals.columns // COLUMNS)).tolist()
     return sum(free.get(k, n) for k, n in zip(bodies, counts.tolist(), strict=True))

@@ -16,40 +16,40 @@ if TYPE_CHECKING:
 MOST_JOINTS_SHOWN = 12
 
 
-def explanation_text(found: Explanation) -> str:
+def explanation_text(explanation: Explanation) -> str:
     """Explanation as tables and lines."""
-    total = sum(count for _, count in found.segments)
+    total = sum(count for _, count in explanation.segments)
     parts = [
         table(
             ("step", "rows", "columns", "operations", "bytes", "what"),
             [
                 (x.name, *(_saved(n) for n in (x.rows, x.columns, x.operations, x.bytes)), x.detail)
-                for x in found.steps
+                for x in explanation.steps
             ],
-            title=f"{found.name}: what each step saves",
+            title=f"{explanation.name}: what each step saves",
         ),
         "",
         table(
             ("segment", "operations"),
-            [(name, str(count)) for name, count in (*found.segments, ("all", total))],
+            [(name, str(count)) for name, count in (*explanation.segments, ("all", total))],
             title="what remains",
         ),
-        _structure(found),
-        *_lines(found),
+        _structure(explanation),
+        *_lines(explanation),
     ]
     return "\n".join(parts)
 
 
-def _structure(found: Explanation) -> str:
+def _structure(explanation: Explanation) -> str:
     """Sizes of the equations that are solved."""
-    s = found.structure
+    s = explanation.structure
     return (
         f"{s.positions} coordinates, {s.velocities} velocities"
         f"{f', {s.dependent} of which follow from the others' if s.dependent else ''},"
         f" {counted(s.rows, 'row')}; C_q has"
         f" {s.elements} elements that are not zero, S {s.schur} in its lower triangle, its factors"
         f" {s.fill_in} more; solved in {counted(s.parts, 'part')}"
-        f"{', in a coordinate plane' if found.is_planar else ''}"
+        f"{', in a coordinate plane' if explanation.is_planar else ''}"
     )
 
 
@@ -57,26 +57,28 @@ def _saved(count: int) -> str:
     return str(count) if count else ""
 
 
-def _lines(found: Explanation) -> list[str]:
+def _lines(explanation: Explanation) -> list[str]:
     """Lines about freedoms and dependences."""
-    freedom, removed = found.freedom, found.removed
+    freedom, removed = explanation.freedom, explanation.removed
     degrees = counted(freedom.degrees, "degree")
     lines = [f"{degrees} of freedom: {freedom.columns} velocities less rank {freedom.rank}"]
     if not freedom.degrees:
         lines.append(
-            f"the motion is that of {_named(found.drivers)}"
-            if found.drivers
+            f"the motion is that of {_named(explanation.drivers)}"
+            if explanation.drivers
             else "nothing can move"
         )
-    for one in freedom.dependent:
+    for group in freedom.dependent:
         where = (
             f"along the branch, {freedom.positions} positions looked at"
-            if one.is_everywhere
+            if group.is_everywhere
             else "at the start only, where other motions branch off or end"
         )
-        rows = counted(one.dimension, "row")
-        verb = "depends" if one.dimension == 1 else "depend"
-        lines.append(f"{rows} of {one.rows} {verb} on the others of {_named(one.joints)}: {where}")
+        rows = counted(group.dimension, "row")
+        verb = "depends" if group.dimension == 1 else "depend"
+        lines.append(
+            f"{rows} of {group.rows} {verb} on the others of {_named(group.joints)}: {where}"
+        )
     if removed:
         lines.append(
             f"left out: {_named(removed)}; the others keep their rank at all of these positions,"

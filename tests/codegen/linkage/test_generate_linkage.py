@@ -21,7 +21,7 @@ from kousoku.codegen.linkage.assemble import assemble
 from kousoku.codegen.linkage.emit import emit_linkage
 from kousoku.codegen.linkage.generate import generate_linkage, layout_of, program_of
 from kousoku.codegen.linkage.reference import reference_values
-from kousoku.codegen.linkage.solution import places
+from kousoku.codegen.linkage.solution import positions_of
 from kousoku.model.files.manifest import Manifest
 from kousoku.model.operations.arithmetic import FLOAT
 from kousoku.model.operations.graph import Op
@@ -47,7 +47,7 @@ def layout(name: str) -> WorkspaceLayout:
 
 def referred(made: WorkspaceLayout) -> str:
     """Text of the references of a linkage."""
-    return reference_values(program_of(made), made, places(made))
+    return reference_values(program_of(made), made, positions_of(made))
 
 
 @cache
@@ -84,7 +84,7 @@ def test_constants_of_the_scene_are_bound() -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_matrix_is_the_derivative_of_the_residual(name: str) -> None:
     made = layout(name)
-    motion = {k: list(map(float, v)) for k, v in places(made)[3].motion.items()}
+    motion = {k: list(map(float, v)) for k, v in positions_of(made)[3].motion.items()}
     here = [0.0] * made.size
     for region, numbers in motion.items():
         base = made.regions[region].base
@@ -150,7 +150,7 @@ def test_linkage_that_cannot_be_assembled_still_has_references() -> None:
     fields: dict[str, Any] = {name: getattr(scene, name) for name in scene.__struct_fields__}
     broken = type(scene)(**{**fields, "links": links})
     made = layout_of(assemble(broken))
-    assert places(made) == []
+    assert positions_of(made) == []
     data = json.loads(referred(made))
     assert data["points"] and data["solution"]["rows"] == []
 
@@ -256,5 +256,5 @@ def test_references_go_as_far_as_the_crank(
     scene = scene_from_dict(tree)
     turning = structs.replace(scene.inputs["alpha"], to=None, turns=1.0)  # closes or not
     scene = structs.replace(scene, inputs={"alpha": turning})
-    found = places(layout_of(assemble(scene)))
+    found = positions_of(layout_of(assemble(scene)))
     assert [place.part for place in found] == [Fraction(k, 10) for k in range(rows)]

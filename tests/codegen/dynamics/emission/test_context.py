@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from kousoku.codegen.dynamics.emission.context import COME_WITH
+from kousoku.codegen.dynamics.emission.context import FEATURE_NUMBERS
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.dynamics.recording.program import REGIONS
 from kousoku.codegen.generate import write_tree
@@ -65,7 +65,7 @@ def test_what_comes_with_a_part_is_zero_in_the_library_where_a_scene_lacks_it() 
         for *needed, body in blocks
     }
     assert {needed: names for needed, names in zeros.items() if names} == {
-        needed: set(names) for needed, names in COME_WITH.items()
+        needed: set(names) for needed, names in FEATURE_NUMBERS.items()
     }
 
 
@@ -80,7 +80,7 @@ def test_a_solver_is_strict_c_and_says_nothing_of_what_its_scene_lacks(
     text = files["solver.c"]
     parts = set(re.findall(r"#define (\w+) 1\n", text))
     assert parts <= set(re.findall(r"#ifndef (\w+)", LACKING.read_text(encoding="utf-8")))
-    for needed, names in COME_WITH.items():
+    for needed, names in FEATURE_NUMBERS.items():
         for count in names:
             assert (f" {count} = " in text) == parts.issuperset(needed)
     assert not re.search(r"\{ (\{?0\}?|\(void\)w;) \}", text)
