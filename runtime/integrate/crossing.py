@@ -51,12 +51,18 @@ EXPLAINED = 2.0
 #: Factor by which bounds of the variation of a part may exceed that of samples: a hill between them
 #: goes up and down, and has twice of it.
 SHOWN = 1.5
+#: Where rates change by more than this part of that, parts vary between few samples.
+SMOOTH = 0.25
 #: Negligible variation, relative to the size of a part; of a force also what moves the lightest
 #: body by this part of the tolerance, of the length of the scene.
 NEGLIGIBLE_VARIATION = 1e-12
 NEGLIGIBLE_MOTION = 1e-3
 #: A part whose relative change in an interval is smaller needs no samples.
 STEADY = 0.5
+#: Bounds are loose everywhere where none of the cells has more than this part of it.
+UNEVEN = 0.5
+#: How well samples tell how parts vary.
+UNRESOLVED, COARSE, RESOLVED = 0, 1, 2
 #: The shortest interval in which a part is looked at, in a step: what is narrower has no bounds.
 FINEST = 1e-9
 #: The part of a step by which an event may be off the cut, to be located again.
@@ -175,6 +181,8 @@ class Search:
         Of which events it starts short of zero, where an earlier step ended for them.
     is_unresolved : bool
         Whether samples leave open how narrow parts vary somewhere in it.
+    is_coarse : bool
+        Whether a narrow part varies in it between few samples.
     has_error : bool
         Whether an error tells how much of it is missed.
     is_kept : bool
@@ -213,6 +221,7 @@ class Search:
     was_crossing: Flags = field(init=False)
     is_short: Flags = field(init=False)
     is_unresolved: bool = False
+    is_coarse: bool = False
     has_error: bool = False
     is_kept: bool = True
     undefined: int = 0
@@ -914,32 +923,75 @@ def negligible_variation(
     return np.asarray(np.where(scales[:, 1] == 0.0, always, negligible))
 
 
-def are_narrow_resolved(start: float, end: float, search: Search) -> bool:
-    """Whether samples between two times tell how parts vary.
+class Variation:
+    """Variation of parts between two times, as samples and bounds of the cells between them tell.
 
-    Their rates change as little, or bounds leave them nearly what they are, or, where formulas
-    switch and an error tells of what they change by, no more than samples show, as of a root at
-    whose end no rate is bounded.
+    Parameters
+    ----------
+    sample : (n,) array
+        Values of the parts at the first time, in units of their formulas.
+    """
+
+    def __init__(self, sample: Array) -> None:
+        self.last = self.least = self.most = self.low = self.high = sample
+        self.reach = self.change = self.hidden = self.most_hidden = np.zeros(len(sample))
+
+
+def begin_variation(sample: Array) -> Variation:
+    """Variation of parts (n,) from a first sample on."""
+    return Variation(sample)
+
+
+def add_cell(h: float, sample: Array, bounds: Array, variation: Variation) -> None:
+    """Add a cell of length h [s]: the sample (n,) at its end, and bounds (4, n) in it.
+
+    These are the least and largest values, and the least and largest rates.
+    """
+    below, above, slowest, fastest = bounds
+    v, width = variation, above - below
+    hidden = width - np.abs(sample - v.last)
+    v.least, v.most = smallest(sample, v.least), largest(sample, v.most)
+    v.low, v.high = smallest(below, v.low), largest(above, v.high)
+    v.reach, v.change = v.reach + width, v.change + h * (fastest - slowest)
+    v.hidden, v.most_hidden = v.hidden + hidden, largest(hidden, v.most_hidden)
+    v.last = sample
+
+
+def sampling_of(v: Variation, size: Array, nothing: Array, *, has_error: bool) -> int:
+    """How well samples tell how all parts vary, but for what counts as nothing.
+
+    Their rates change by as little as they do, or bounds leave them nearly what they are and are no
+    looser in one cell than in all others, as where a hill hides, or, where formulas switch and an
+    error tells of what they change by, they vary by no more than samples show, as a root at whose
+    end no rate is bounded.
+    """
+    shown = v.most - v.least
+    is_even = v.most_hidden <= UNEVEN * v.hidden + nothing
+    is_steady = is_even & (v.high - v.low <= STEADY * size + nothing)
+    is_shown = (v.reach <= SHOWN * shown + nothing) & has_error
+    if not np.all(is_steady | is_shown | (v.change <= EXPLAINED * shown + nothing)):
+        return UNRESOLVED
+    return RESOLVED if np.all(is_steady | (v.change <= SMOOTH * shown + nothing)) else COARSE
+
+
+def are_narrow_resolved(start: float, end: float, search: Search) -> bool:
+    """Whether samples between two times tell how parts vary with the state.
+
+    Whether they are few for that is noted.
     """
     h, first = (end - start) / CELLS, len(search.state.sides)
     n = slice(first, first + len(search.work.w.narrow) // 4)
     a = node_at(start, search)
-    least = most = low = high = middle(a)[n]
-    band, change, reach = half_width(a)[n], np.zeros(len(least)), np.zeros(len(least))
+    variation, band = begin_variation(middle(a)[n]), half_width(a)[n]
     for cell in range(1, CELLS + 1):
         b = node_at(start + cell * h, search)
-        below, above, slowest, fastest = bound_functions(a, b, search)[:, n]
-        least, most = smallest(middle(b)[n], least), largest(middle(b)[n], most)
-        low, high = smallest(below, low), largest(above, high)
-        band, change = largest(half_width(b)[n], band), change + h * (fastest - slowest)
-        reach = reach + (above - below)
-        a = b
-    size = largest(-least, most)
-    scales = search.work.scene.narrow_scales
+        add_cell(h, middle(b)[n], bound_functions(a, b, search)[:, n], variation)
+        band, a = largest(half_width(b)[n], band), b
+    size, scales = largest(-variation.least, variation.most), search.work.scene.narrow_scales
     nothing = band + negligible_variation(size, scales, search.tolerance, start, end)
-    is_shown = (reach <= SHOWN * (most - least) + nothing) & search.has_error
-    is_explained = is_shown | (change <= EXPLAINED * (most - least) + nothing)
-    return bool(np.all(is_explained | (high - low <= STEADY * size + nothing)))
+    sampling = sampling_of(variation, size, nothing, has_error=search.has_error)
+    search.is_coarse = search.is_coarse or sampling == COARSE
+    return sampling != UNRESOLVED
 
 
 def is_at_pole(first: float, last: float, search: Search, *, in_between: bool) -> bool:

@@ -11,6 +11,7 @@ import numpy as np
 from .arithmetic import larger, mean_square, rounding_of_sum, smaller
 from .branches import LEAPS, STAYS, follow_branch, note_branch
 from .crossing import (
+    COARSE,
     LOOSEST_AT_SWITCH,
     ONWARD,
     SMALLEST,
@@ -48,6 +49,7 @@ from .projection import (
 )
 from .row_switch import check_misses, forget_trials, note_misses
 from .settings import NOTHING_MOVES, Status
+from .switching import sampling_in
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -83,11 +85,11 @@ CLEAR_PIVOT_RATIO = 1e-3
 #: is trusted. Estimates can be blind where bodies turn by some radians in a step, this is not.
 MOST_DRIFT = 50.0
 LEAST_DRIFT = 1e-11
-#: Weight of the worse of two estimates, in a step from a switch to the next: such steps begin and
-#: end at the same phases of a force that repeats, so that their errors have one sign and add up,
-#: and the better estimate can be blind at just these. Of a half-wave of a sine in one step of
-#: DOP853 it is 4 times too small; this is 10 times too large.
-LOCKED_ERROR_PART = 4e-3
+#: Weight of the worse of two estimates where the better may be blind. Steps from a switch to the
+#: next begin and end at the same phases of a force that repeats, so that their errors have one sign
+#: and add up. Of a half-wave of a sine in one step of DOP853 the better one is 4 times too small;
+#: this is 10 times too large. Over a steep rise of a force both have been blind.
+WORSE_ERROR_PART = 4e-3
 #: Pivot ratios go with the square of the distance from a place where branches meet; a stage from
 #: this part of the step on tells how.
 INNER_STAGE_PART = 0.25
@@ -109,11 +111,12 @@ LONGEST_IF_LOOSE = 1.2
 MANY_STAGES = 12
 LONGEST_OF_MANY_STAGES = 1.5
 LEVEL_RATIO_PART = 0.999
-#: Factors of errors of steps from a place on where a force goes with t^p. Estimates
-#: compare two results that are off alike there: the error is 64 times what they tell for p = 0.1,
-#: 37 times for a square root and 11 times for p = 1.5, with many stages 7, 5 and 3 times.
-POWER_ERROR = 40.0
-POWER_ERROR_OF_MANY_STAGES = 5.0
+#: Factors of errors of steps whose estimates compare two results that are off alike.
+#: So they do from a place on where a force goes with t^p: the error is 64 times what they tell for
+#: p = 0.1, 37 times for a square root and 11 times for p = 1.5, with many stages 7, 5 and 3 times.
+#: Of steps over steep rises of forces it is more than 100 times that in one of 200, without this.
+BLIND_ERROR = 40.0
+BLIND_ERROR_OF_MANY_STAGES = 5.0
 #: Where the line through two roots leads to less than this part of the next one, the root may have
 #: changed its sign in between.
 SIGN_CHANGE_PART = 0.2
@@ -168,6 +171,8 @@ class Trial:
         Whether it ends where the step does at most.
     drift, error : float
         Largest correction, negative where a stage is impossible; error in units of the tolerance.
+    error_if_blind : float
+        The error if estimates may be blind.
     moved : float [J]
         The energy that has moved at its end, where rows are checked or there are works.
     least_ratio, most_ratio, last_ratio : float
@@ -196,6 +201,7 @@ class Trial:
     is_last: bool
     drift: float = 0.0
     error: float = 0.0
+    error_if_blind: float = 0.0
     moved: float = 0.0
     least_ratio: float = 1.0
     most_ratio: float = 0.0
@@ -401,16 +407,14 @@ def local_error(
     state: State,
     work: Work,
     tolerance: float,
-    *,
-    is_locked: bool = False,
-) -> float:
-    """Error of a step, in units of the tolerance; locked from a switch to the next."""
+) -> tuple[float, float]:
+    """Error of a step, in units of the tolerance, and if the better of two estimates is blind."""
     e = estimate(m, m.errors[0], trial, state, work, tolerance)
     if len(m.errors) == 1 or e * e == 0.0:
-        return e
+        return e, e
     e2 = estimate(m, m.errors[1], trial, state, work, tolerance)
     best = e * e / math.sqrt(e * e + WORSE_ESTIMATE_PART * e2 * e2)
-    return larger(best, LOCKED_ERROR_PART * e2) if is_locked else best
+    return best, larger(best, WORSE_ERROR_PART * e2)
 
 
 def stage(
@@ -705,15 +709,13 @@ def is_made(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
     return True
 
 
-def near_fractional_power(tried: Attempts, trial: Trial, work: Work, state: State) -> float:
-    """Factor [-] of the error of a trial: more than 1 beside a fractional power of what is zero.
+def is_near_power(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
+    """Whether a trial is beside a fractional power of what is zero.
 
     A force has no two derivatives there, and estimates of errors from there on are too small.
     """
     is_beside = state.time - state.switched < trial.h or trial.end == tried.search.cut
-    if not (work.scene.has_fractional_powers and is_beside):
-        return 1.0
-    return POWER_ERROR_OF_MANY_STAGES if tried.m.stages >= MANY_STAGES else POWER_ERROR
+    return work.scene.has_fractional_powers and is_beside
 
 
 def find_error(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
@@ -726,7 +728,7 @@ def find_error(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
         trial.moved = energy_moved(work.y, work, state)
     if tried.is_fixed:
         is_seen = work.scene.has_functions
-        trial.is_vague = is_seen and not local_error(m, trial, state, work, LEAST_PART) <= 1.0
+        trial.is_vague = is_seen and not local_error(m, trial, state, work, LEAST_PART)[0] <= 1.0
     else:
         is_behind = state.time == state.switched
         has_kinks = work.scene.has_functions and work.scene.n_breaks == 0
@@ -734,8 +736,15 @@ def find_error(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
         is_locked = is_locked and tried.end in {state.limit, tried.search.cut}
         is_close = is_locked or (is_behind and has_kinks)
         tolerance = smaller(s.tolerance, LOOSEST_AT_SWITCH) if is_close else s.tolerance
-        trial.error = local_error(m, trial, state, work, tolerance, is_locked=is_locked)
-        trial.error *= near_fractional_power(tried, trial, work, state)
+        blind = BLIND_ERROR_OF_MANY_STAGES if m.stages >= MANY_STAGES else BLIND_ERROR
+        best, worse = local_error(m, trial, state, work, tolerance)
+        trial.error = worse if is_locked else best
+        trial.error *= blind if is_near_power(tried, trial, work, state) else 1.0
+        trial.error_if_blind = blind * worse
+        # of what varies with the state the polynomial is asked, later
+        if work.scene.has_features and is_kept(trial) and trial.error_if_blind > 1.0:
+            sampling = sampling_in(s.tolerance, state.time, trial.end, work.w)
+            trial.error = trial.error_if_blind if sampling == COARSE else trial.error
         if tells_drift(trial, state, work):
             largest_drift = MOST_DRIFT * larger(s.tolerance, LEAST_DRIFT)
             trial.error = larger(trial.drift / largest_drift, trial.error)
@@ -840,22 +849,31 @@ def crossing_in(tried: Attempts, trial: Trial, work: Work, state: State) -> floa
 
 
 def resolved_in(until: float, tried: Attempts, trial: Trial, work: Work, state: State) -> float:
-    """Time [s] at which a trial must end so that samples up to a time resolve narrow parts."""
-    search = tried.search
+    """Time [s] at which a trial must end so that samples up to a time resolve narrow parts.
+
+    Where they are few it has the error of blind estimates: those of a step that ends beside the
+    middle of a steep rise have been a hundredth of a tolerance where it was off by 500, as stages
+    lie on both sides.
+    """
+    search, to = tried.search, trial.end
     if not work.scene.has_narrow or not is_kept(trial):
         return trial.end
     if search.is_over and until <= search.place_cut:
         return trial.end
+    search.is_coarse = False
     if tried.shorter < MOST_SHORTER:
         tried.shorter += 1
         # for less the next trial has no digits
         tiny = SMALLEST * larger(abs(state.time), abs(tried.end))
         end = larger(resolved_end(until, search), state.time + ONWARD * tiny)
-        return end if end < until else trial.end
-    is_resolved = are_narrow_resolved(state.time, until, search)
-    is_resolved = is_resolved or is_at_pole(state.time, until, search, in_between=True)
-    search.is_unresolved = search.is_unresolved or not is_resolved
-    return trial.end
+        to = end if end < until else trial.end
+    else:
+        is_resolved = are_narrow_resolved(state.time, until, search)
+        is_resolved = is_resolved or is_at_pole(state.time, until, search, in_between=True)
+        search.is_unresolved = search.is_unresolved or not is_resolved
+    if search.is_coarse and until == trial.end == to and not tried.is_fixed:
+        trial.error = larger(trial.error, trial.error_if_blind)
+    return to
 
 
 def met_in(until: float, tried: Attempts, trial: Trial) -> float:

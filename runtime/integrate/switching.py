@@ -15,10 +15,12 @@ import numpy as np
 
 from .arithmetic import larger, smaller
 from .crossing import (
-    EXPLAINED,
     FINEST,
     FURTHER,
     SMALLEST,
+    UNRESOLVED,
+    add_cell,
+    begin_variation,
     evaluate_node,
     half_width,
     largest,
@@ -26,8 +28,8 @@ from .crossing import (
     negligible_variation,
     note_unresolved,
     read_of,
+    sampling_of,
     side_at,
-    smallest,
     stays_positive,
 )
 from .pivot_monitor import scale_by_distance
@@ -452,21 +454,17 @@ def even_end(h: float, end: float, state: State) -> float:
     return state.time + 0.5 * span if is_between and h < span < 2.0 * h else end
 
 
-def is_resolved(tolerance: float, first: float, last: float, w: Workspace) -> bool:
-    """Whether samples of an interval tell how parts vary: their rates change as little."""
+def sampling_in(tolerance: float, first: float, last: float, w: Workspace) -> int:
+    """How well samples of an interval tell how parts vary with time."""
     h = (last - first) / PIECES
-    sample = bounds_between(first, first, w)[1][0]
-    least, most, change = sample.copy(), sample.copy(), np.zeros_like(sample)
+    variation = begin_variation(bounds_between(first, first, w)[1][0].copy())
     for piece in range(PIECES):
-        a, b = first + piece * h, first + (piece + 1) * h
-        _, (_, _, slowest, fastest) = bounds_between(a, b, w)
-        change += h * (fastest - slowest)
-        sample = bounds_between(b, b, w)[1][0]
-        least, most = smallest(sample, least), largest(sample, most)
-    size, scales = largest(-least, most), w.scene.feature_scales
-    negligible = negligible_variation(size, scales, tolerance, first, last)
-    allowed = EXPLAINED * (most - least) + negligible
-    return bool(np.all(change <= allowed))
+        b = first + (piece + 1) * h
+        bounds = bounds_between(first + piece * h, b, w)[1].copy()
+        add_cell(h, bounds_between(b, b, w)[1][0].copy(), bounds, variation)
+    size, scales = largest(-variation.least, variation.most), w.scene.feature_scales
+    nothing = negligible_variation(size, scales, tolerance, first, last)
+    return sampling_of(variation, size, nothing, has_error=False)
 
 
 def resolved_step(
@@ -488,7 +486,7 @@ def resolved_step(
     is_unresolved = False
     for _ in range(MOST_INTERVALS):
         last = first + width
-        is_good = is_resolved(tolerance, first, last, work.w)
+        is_good = sampling_in(tolerance, first, last, work.w) != UNRESOLVED
         if not is_good and width > FINEST * length:
             width = 0.5 * width
             continue

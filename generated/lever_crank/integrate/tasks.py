@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     Values: TypeAlias = Sequence[Any] | Array
     Function: TypeAlias = Callable[[Values, "Functions"], list[Any]]
 
-#: So many tasks of a kernel are faster on arrays.
+#: From so many tasks of a kernel on arrays are faster.
 MANY = 16
 
 
@@ -71,15 +71,15 @@ def of_each(of_one: Callable[..., float], of_all: Callable[..., Any]) -> Callabl
     """Function of arrays with the bits that C has; NumPy's may differ in the last one."""
 
     def function(*x: Any) -> Any:
-        whole = np.broadcast_arrays(*x)
+        arrays = np.broadcast_arrays(*x)
         try:
-            found = [
+            results = [
                 of_one(*values)
-                for values in zip(*(part.ravel().tolist() for part in whole), strict=True)
+                for values in zip(*(array.ravel().tolist() for array in arrays), strict=True)
             ]
         except (ArithmeticError, ValueError):
             return of_all(*x)
-        return np.array(found).reshape(whole[0].shape)
+        return np.array(results).reshape(arrays[0].shape)
 
     return function
 
@@ -153,28 +153,28 @@ def segment_of(kernels: Sequence[TaskKernel], text: str) -> Segment:
         run of each task. Tasks of one kernel that follow each other do not need each other.
     """
     table = places(text, 1)[:, 0]
-    found: Segment = []
+    segment: Segment = []
     few: list[tuple[TaskKernel, list[int], list[int]]] = []
-    at = 0
-    while at < len(table):
-        kernel, count = kernels[table[at]], int(table[at + 1])
-        end = at + 2 + count * kernel.runs
-        runs = table[at + 2 : end].reshape(count, kernel.runs)
+    cursor = 0
+    while cursor < len(table):
+        kernel, count = kernels[table[cursor]], int(table[cursor + 1])
+        end = cursor + 2 + count * kernel.runs
+        runs = table[cursor + 2 : end].reshape(count, kernel.runs)
         reads = runs[:, kernel.reads[:, 0]] + kernel.reads[:, 1]
         writes = runs[:, kernel.writes[:, 0]] + kernel.writes[:, 1]
         if count >= MANY:
-            found += _in_turn(few)
-            found.append(Together(kernel.function, reads.T.copy(), writes.T.copy()))
+            segment += _in_turn(few)
+            segment.append(Together(kernel.function, reads.T.copy(), writes.T.copy()))
             few = []
         else:
             slots = zip(reads.tolist(), writes.tolist(), strict=True)
             few += [(kernel, read, written) for read, written in slots]
-        at = end
-    return [*found, *_in_turn(few)]
+        cursor = end
+    return [*segment, *_in_turn(few)]
 
 
 def _in_turn(tasks: list[tuple[TaskKernel, list[int], list[int]]]) -> list[InTurn]:
-    """Tasks in turn: what they read that none wrote before is gathered, the others find theirs."""
+    """Tasks in turn: slots that they read, and none of them wrote before, are gathered."""
     if not tasks:
         return []
     gathered: dict[int, int] = {}
@@ -185,18 +185,18 @@ def _in_turn(tasks: list[tuple[TaskKernel, list[int], list[int]]]) -> list[InTur
                 gathered.setdefault(slot, len(gathered))
         for slot in writes:
             written[slot] = len(written)
-    place = {slot: len(gathered) + k for slot, k in written.items()} | gathered
+    index = {slot: len(gathered) + k for slot, k in written.items()} | gathered
     steps = [
-        (kernel.function, _picker([place[slot] for slot in reads])) for kernel, reads, _ in tasks
+        (kernel.function, _picker([index[slot] for slot in reads])) for kernel, reads, _ in tasks
     ]
     return [InTurn(np.array([*gathered], np.intp), steps, np.array([*written], np.intp))]
 
 
-def _picker(at: list[int]) -> Callable[[Any], Any]:
+def _picker(indices: list[int]) -> Callable[[Any], Any]:
     """Function that picks elements of a list, as a sequence however few they are."""
-    if len(at) > 1:
-        return itemgetter(*at)
-    return itemgetter(slice(at[0], at[0] + 1) if at else slice(0))
+    if len(indices) > 1:
+        return itemgetter(*indices)
+    return itemgetter(slice(indices[0], indices[0] + 1) if indices else slice(0))
 
 
 def run_tasks(w: Array, segment: Segment) -> None:

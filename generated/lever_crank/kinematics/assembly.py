@@ -41,19 +41,19 @@ def assemble(newton: Newton, position: LinkageCoordinates) -> float:
 def _assemble_block(newton: Newton, number: int) -> float:
     """Find the position of a block, and its assembly mode; return the largest residual."""
     block = newton.blocks[number]
-    given, size = _damped_newton(newton, number)
+    first_pivot, size = _damped_newton(newton, number)
     try:
         _, residual = newton.iterate(number)
     except StopError as stop:
         if stop.status != AnalysisStatus.DEAD_CENTRE:
             raise
-        near = size <= SETTLED * newton.length
+        is_near = size <= SETTLED * newton.length
         raise StopError(
-            AnalysisStatus.ON_DEAD_CENTRE if near else AnalysisStatus.NOT_ASSEMBLED
+            AnalysisStatus.ON_DEAD_CENTRE if is_near else AnalysisStatus.NOT_ASSEMBLED
         ) from None
     _, pivot = block.evaluate()
     newton.orientation[number] = pivot
-    if abs(given) > 0.01 and given * pivot < 0:
+    if abs(first_pivot) > 0.01 and first_pivot * pivot < 0:
         raise StopError(AnalysisStatus.OTHER_SIDE)
     return residual
 
@@ -63,14 +63,14 @@ def _damped_newton(newton: Newton, number: int) -> tuple[float, float]:
 
     Returns
     -------
-    given : float
+    first_pivot : float
         The smallest pivot where the scene places the block.
     residual : float
         The largest residual that is left.
     """
     block = newton.blocks[number]
     epsilon, pivot = block.evaluate()
-    given, residual = pivot, largest(epsilon)
+    first_pivot, residual = pivot, largest(epsilon)
     for k in range(200):
         if residual <= SETTLED * newton.length:
             break
@@ -81,7 +81,7 @@ def _damped_newton(newton: Newton, number: int) -> tuple[float, float]:
         _damped_step(newton, number, epsilon)
         epsilon, pivot = block.evaluate()
         residual = largest(epsilon)
-    return given, residual
+    return first_pivot, residual
 
 
 def _damped_step(newton: Newton, number: int, epsilon: Array) -> None:

@@ -59,7 +59,7 @@ class Certifier:
     def __init__(self, mechanism: LinkageTables, block: Block) -> None:
         inputs, part, curves = len(mechanism.inputs), block.unknowns, block.curves
         places = inputs + len(mechanism.unknowns)
-        self._own = slice(inputs + part.start, inputs + part.stop)
+        self._unknowns = slice(inputs + part.start, inputs + part.stop)
         self._scale = np.array([unknown.scale for unknown in mechanism.unknowns[part]])
         self._row = [curve.row for curve in curves]
         self._length = np.array([curve.length for curve in curves])
@@ -80,34 +80,34 @@ class Certifier:
         lengths: Array = np.abs(inverse) * self._scale[:, np.newaxis]
         return lengths
 
-    def tilt(self, block: BlockEquations, way: CubicTube, residual: float) -> float:
+    def tilt(self, block: BlockEquations, tube: CubicTube, residual: float) -> float:
         """Turn of the Jacobian in the tube, relative to itself; its radius is written.
 
         Parameters
         ----------
         block : BlockEquations
             With the factors of where the step ended.
-        way : CubicTube
+        tube : CubicTube
             The step; the radii of what is known are there, those of the block get theirs.
         residual : float
             What is left of the equations at both ends, in the unit of the mechanism.
         """
         n, scale = len(self._scale), self._scale
-        distance, slope = self._distances(way)
-        bends = np.where(self._is_arm, self._arms(way), distance)
-        rows, turned = np.zeros((n, 3)), np.zeros((n, n))
+        distance, slope = self._distances(tube)
+        bends = np.where(self._is_arm, self._arms(tube), distance)
+        rows, change = np.zeros((n, 3)), np.zeros((n, n))
         rows[:, 0] = residual
         np.add.at(rows, self._row, bends.T)
-        np.add.at(turned, self._row, np.where(self._is_arm, 0.0, slope).T)
+        np.add.at(change, self._row, np.where(self._is_arm, 0.0, slope).T)
         sums = self._inverse(block) @ rows
-        sums[:, 1] += (np.abs(block.solve(turned)) * scale[:, np.newaxis] / scale).sum(axis=1)
+        sums[:, 1] += (np.abs(block.solve(change)) * scale[:, np.newaxis] / scale).sum(axis=1)
         error, turn, more = map(float, np.max(sums, axis=0))
         tilt = turn + more * error / (1.0 - MOST_TILT)
-        way.radius[self._own] = error / (1.0 - tilt) / scale
+        tube.radius[self._unknowns] = error / (1.0 - tilt) / scale
         return tilt
 
-    def _along(self, way: CubicTube, slopes: Array) -> tuple[Array, ...]:
-        """Sums of coordinates along a way, (curves,) each.
+    def _along(self, tube: CubicTube, slopes: Array) -> tuple[Array, ...]:
+        """Sums of coordinates along a step, (curves,) each.
 
         Returns
         -------
@@ -115,15 +115,15 @@ class Certifier:
             Coefficients, how far the sum is off by what is known, and how far unknowns of the
             block move it that are off by a length of 1.
         """
-        known, size = way.radius.copy(), np.abs(slopes)
-        known[self._own] = 0.0
+        known, size = tube.radius.copy(), np.abs(slopes)
+        known[self._unknowns] = 0.0
         return (
-            *(rates @ slopes for rates in way[:3]),
+            *(rates @ slopes for rates in tube[:3]),
             known @ size,
-            1 / self._scale @ size[self._own],
+            1 / self._scale @ size[self._unknowns],
         )
 
-    def _distances(self, way: CubicTube) -> tuple[Array, Array]:
+    def _distances(self, tube: CubicTube) -> tuple[Array, Array]:
         """Bends and slope of equations |d| = l.
 
         As (|d|² - l²)/2l, which is a polynomial of s: what it has of s³ to s⁶ vanishes together at
@@ -137,28 +137,28 @@ class Certifier:
         slope : (n, curves) array
             How the Jacobian turns from one end to the other.
         """
-        (ax, bx, cx, *x), (ay, by, cy, *y) = self._along(way, self._x), self._along(way, self._y)
+        (ax, bx, cx, *x), (ay, by, cy, *y) = self._along(tube, self._x), self._along(tube, self._y)
         off, reach = np.hypot(x, y)
         fourth = np.abs(bx * bx + by * by + 2 * (ax * cx + ay * cy))
         fifth, sixth = np.abs(2 * (bx * cx + by * cy)), cx * cx + cy * cy
-        left = 0.5 * CUBIC_END * (fourth + 2 * fifth + 3 * sixth) / self._length
+        residual = 0.5 * CUBIC_END * (fourth + 2 * fifth + 3 * sixth) / self._length
         bow = SQUARE_BOW * np.hypot(bx, by) + CUBIC_BOW * np.hypot(cx, cy) + off
-        error = left + off * (1 + (left + off) / self._length)
-        slope = self._x[self._own] * (ax + bx + cx) + self._y[self._own] * (ay + by + cy)
+        error = residual + off * (1 + (residual + off) / self._length)
+        slope = self._x[self._unknowns] * (ax + bx + cx) + self._y[self._unknowns] * (ay + by + cy)
         bends = np.stack((error, bow * reach / self._length, reach * reach / self._length))
         return bends, slope / self._length
 
-    def _arms(self, way: CubicTube) -> Array:
+    def _arms(self, tube: CubicTube) -> Array:
         """Bends of equations d = l (cos β, sin β), (3, curves).
 
         By the fourth derivative of the direction.
         """
-        a, b, c, turned_off, reach = self._along(way, self._angle)
+        a, b, c, turned_off, reach = self._along(tube, self._angle)
         swept = np.abs(a + b + c) + SQUARE_BOW * np.abs(b) + CUBIC_BOW * np.abs(c)
         a, b, c = np.abs(a), np.abs(b), np.abs(c)
         rate, bend, jerk = a + 2 * b + 3 * c, 2 * b + 6 * c, 6 * c
         fourth = (rate * rate) ** 2 + 6 * rate * rate * bend + 3 * bend * bend + 4 * rate * jerk
-        off = np.hypot(self._along(way, self._x)[3], self._along(way, self._y)[3])
+        off = np.hypot(self._along(tube, self._x)[3], self._along(tube, self._y)[3])
         error = self._length * (fourth * (CUBIC_END / 24) + turned_off) + off
         return np.stack((error, self._length * reach * swept, self._length * reach * reach))
 

@@ -51,14 +51,14 @@ class Continuation:
         self.division = run.start - run.start % run.divisions if run.is_periodic else 0
         self.time = 0.0
         _, self.rate = run.laws_at(0.0)
-        alpha = np.array([given.start for given in mechanism.inputs])
+        alpha = np.array([coordinate.start for coordinate in mechanism.inputs])
         x = np.array([unknown.start for unknown in mechanism.unknowns])
         self.position = LinkageCoordinates(alpha, x)
         self.x1, self.x2 = np.zeros_like(x), np.zeros_like(x)
         self.step = math.inf
         self._certifiers = [Certifier(mechanism, block) for block in mechanism.blocks]
         self._is_angle = np.array([unknown.is_angle for unknown in mechanism.unknowns])
-        self.input_scale = np.array([given.scale for given in mechanism.inputs])
+        self.input_scale = np.array([coordinate.scale for coordinate in mechanism.inputs])
 
     def motion_at(self, division: int) -> tuple[Array, Array]:
         """Differentiate in time, and along the way for the next prediction: (22) to (25).
@@ -103,30 +103,30 @@ class Continuation:
         pace, pace_dot = delta, np.zeros_like(delta)
         if run.times is not None:
             pace, pace_dot = self.rate, np.asarray(run.rate_dot)
-        whole = np.where(delta, delta, self.newton.length / self.input_scale)
-        left = 1.0 if run.times is None else float(run.times[row]) - self.time
+        per_division = np.where(delta, delta, self.newton.length / self.input_scale)
+        remaining = 1.0 if run.times is None else float(run.times[row]) - self.time
         time = 0.0
-        while left > 0:
+        while remaining > 0:
             tries += 1
-            step = min(self.step, left)
+            step = min(self.step, remaining)
             if run.times is None:
                 part = step
-                alpha, change = target - (left - step) * delta, step * delta
+                alpha, change = target - (remaining - step) * delta, step * delta
             else:
                 end = run.end_of(self.time, float(run.times[row]))
-                rest = end - self.time
-                step, time = (step, self.time + step) if step < rest else (rest, end)
+                longest = end - self.time
+                step, time = (step, self.time + step) if step < longest else (longest, end)
                 alpha, _ = run.laws_at(time)
                 change = alpha - self.position.alpha
-                part = largest(change / whole)
+                part = largest(change / per_division)
             predicted = self.position.x + step * (self.x1 + 0.5 * step * self.x2)
             trial = predicted.copy()
             try:
                 if not part <= 1.0:
                     raise StopError(AnalysisStatus.TOO_FAR)
-                found = self._correct(alpha, trial)
-                way = self._way(step, pace, pace_dot, trial - predicted)
-                tilt = self._tilt(way, max(residual, found.residual))
+                convergence = self._correct(alpha, trial)
+                tube = self._tube(step, pace, pace_dot, trial - predicted)
+                tilt = self._tilt(tube, max(residual, convergence.residual))
             except StopError as stop:
                 self.step = 0.5 * step
                 if 0.5 * part < SMALLEST_STEP or tries > MOST_TRIES:
@@ -134,15 +134,15 @@ class Continuation:
                         AnalysisStatus.TOO_FAR if tries > MOST_TRIES else stop.status
                     ) from None
                 continue
-            left -= step
+            remaining -= step
             self.step = max(self.step, 2 * step) if 2 * tilt <= MOST_TILT else step
-            iterations, residual = iterations + found.iterations, found.residual
+            iterations, residual = iterations + convergence.iterations, convergence.residual
             self._accept(alpha, trial)
             self.division = row
             if run.times is not None:
                 _, self.rate = run.laws_at(time)
-                self.time, left, pace = time, float(run.times[row]) - time, self.rate
-            if left > 0:
+                self.time, remaining, pace = time, float(run.times[row]) - time, self.rate
+            if remaining > 0:
                 self.x1, self.x2 = self._derivatives(pace, pace_dot)
         self.division = row
         return Convergence(iterations, residual)
@@ -160,13 +160,13 @@ class Continuation:
     def _derivatives(self, alpha_dot: Array, alpha_ddot: Array) -> tuple[Array, Array]:
         return self.newton.equations.differentiate(self.position, alpha_dot, alpha_ddot)
 
-    def _way(self, step: float, pace: Array, pace_dot: Array, correction: Array) -> CubicTube:
+    def _tube(self, step: float, pace: Array, pace_dot: Array, correction: Array) -> CubicTube:
         """Cubics of a step, (26) and what was corrected."""
         first, second = np.concatenate((pace, self.x1)), np.concatenate((pace_dot, self.x2))
         third = np.concatenate((np.zeros_like(pace), correction))
         return CubicTube(step * first, 0.5 * step * step * second, third, np.zeros_like(third))
 
-    def _tilt(self, way: CubicTube, residual: float) -> float:
+    def _tilt(self, tube: CubicTube, residual: float) -> float:
         """Turn of the Jacobians along a step, the most of all blocks.
 
         Raises
@@ -175,9 +175,9 @@ class Continuation:
             So far that the step may have left its branch.
         """
         most = 0.0
-        for number, one in enumerate(self._certifiers):
+        for number, certifier in enumerate(self._certifiers):
             self.newton.at = number
-            tilt = one.tilt(self.newton.blocks[number], way, residual)
+            tilt = certifier.tilt(self.newton.blocks[number], tube, residual)
             if not tilt <= MOST_TILT:
                 raise StopError(AnalysisStatus.DEAD_CENTRE)
             most = max(most, tilt)
@@ -187,7 +187,7 @@ class Continuation:
     def condition(self) -> float:
         """The most that residuals of 1 move an unknown [-], as lengths, with factors at hand."""
         pairs = zip(self._certifiers, self.newton.blocks, strict=True)
-        return max(one.condition(block) for one, block in pairs)
+        return max(certifier.condition(block) for certifier, block in pairs)
 
     @property
     def counted_inputs(self) -> Array:
@@ -197,7 +197,7 @@ class Continuation:
 
     def is_at(self, x: Array) -> bool:
         """Whether unknowns (unknowns,) are those of the position, angles [rad] up to turns."""
-        off = self.position.x - x
-        off -= math.tau * np.where(self._is_angle, np.rint(off / math.tau), 0.0)
+        difference = self.position.x - x
+        difference -= math.tau * np.where(self._is_angle, np.rint(difference / math.tau), 0.0)
         # Two assemblies are not as near as that where pivots are above SINGULAR.
-        return largest(off * self.newton.scale) <= SETTLED * self.newton.length
+        return largest(difference * self.newton.scale) <= SETTLED * self.newton.length

@@ -137,10 +137,10 @@ class Linkage:
 
     def _moved(self, options: dict[str, Any], times: Array | None = None) -> Trajectory:
         run, rows = self._rows(options, times)
-        good = trajectory_of(self.mechanism, run, rows, name=self.name, target=self.target.name)
+        motion = trajectory_of(self.mechanism, run, rows, name=self.name, target=self.target.name)
         if rows.status != AnalysisStatus.GOOD:
-            raise self._error(run, rows, good)
-        return good
+            raise self._error(run, rows, motion)
+        return motion
 
     def _rows(self, options: dict[str, Any], times: Array | None) -> tuple[RunRequest, Rows]:
         self._check(options)
@@ -171,7 +171,7 @@ class Linkage:
             if not 0.0 < limit < np.inf:
                 raise refusal(f"{self.name}: limit {shown(limit)}; wanted a length above 0")
 
-    def _error(self, run: RunRequest, rows: Rows, good: Trajectory) -> Exception:
+    def _error(self, run: RunRequest, rows: Rows, motion: Trajectory) -> Exception:
         """Say what went wrong, where, and what to do."""
         mechanism, name = self.mechanism, self.name
         block, status = mechanism.blocks[rows.block], AnalysisStatus(rows.status)
@@ -181,10 +181,10 @@ class Linkage:
         known = {link.name for link in mechanism.links}
         named = [f"links.{link}" for link in block.links if link in known]
         keys = ", ".join(named)
-        driven = ", ".join(f"inputs.{given.name}" for given in mechanism.inputs)
+        driven = ", ".join(f"inputs.{coordinate.name}" for coordinate in mechanism.inputs)
         where = ", ".join(
-            f"{given.name} = {value:.9g} {given.unit}"
-            for given, value in zip(mechanism.inputs, rows.reached, strict=True)
+            f"{coordinate.name} = {value:.9g} {coordinate.unit}"
+            for coordinate, value in zip(mechanism.inputs, rows.reached, strict=True)
         )
         why = status.message
         if status == AnalysisStatus.NOT_ASSEMBLED:
@@ -202,18 +202,18 @@ class Linkage:
             f"{name}: {driven}: {why}: {held}, at {where}, after {rows.done} good positions of"
             f" {run.rows}; {advice}"
         )
-        return refusal(text, "MotionError", good, alone=StoppedError)
+        return refusal(text, "MotionError", motion, alone=StoppedError)
 
     def _misfit(self, position: Array, links: Iterable[str]) -> str:
         """Say by how much links are violated where the assembly stopped."""
-        mechanism, parts = self.mechanism, []
-        place = dict(zip(mechanism.nodes, position, strict=True))
+        mechanism, texts = self.mechanism, []
+        positions = dict(zip(mechanism.nodes, position, strict=True))
         for name, first, second, length in mechanism.links:
-            gap = float(np.hypot(*(place[second] - place[first]))) - length
+            gap = float(np.hypot(*(positions[second] - positions[first]))) - length
             if name in links and abs(gap) > VIOLATED * mechanism.length:
-                parts.append(
+                texts.append(
                     f"{name} would have to be {abs(gap):.6g} {mechanism.unit}"
                     f" {'longer' if gap > 0 else 'shorter'} to reach from {first} to {second}"
                 )
         fits = "no link is violated much, but they cannot all be met"
-        return f"{', '.join(parts) or fits}; change lengths or positions"
+        return f"{', '.join(texts) or fits}; change lengths or positions"

@@ -115,9 +115,9 @@ class Newton:
         self.equations.place(LinkageCoordinates(alpha, trial))
         for number in range(len(self.blocks)):
             self.at = number
-            found = self.iterate(number)
-            iterations = max(iterations, found.iterations)
-            residual = max(residual, found.residual)
+            convergence = self.iterate(number)
+            iterations = max(iterations, convergence.iterations)
+            residual = max(residual, convergence.residual)
         trial[:] = self.equations.region("x")
         return Convergence(iterations, residual)
 

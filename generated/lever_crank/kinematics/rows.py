@@ -196,9 +196,9 @@ class RunRequest:
     def whole_turns(self, division: int) -> Array:
         """Whole turns (inputs,) [rad] by which counted inputs exceed those of a division."""
         n = self.divisions
-        parts = [math.fmod(turns * division, n) for turns in self.turns]
-        pairs = zip(self.turns, parts, strict=True)
-        return np.array([math.tau * round((turns * division - p) / n) for turns, p in pairs])
+        remainders = [math.fmod(turns * division, n) for turns in self.turns]
+        pairs = zip(self.turns, remainders, strict=True)
+        return np.array([math.tau * round((turns * division - r) / n) for turns, r in pairs])
 
     def counted_inputs(self, division: int) -> list[float]:
         """Inputs (inputs,) of a division, in their units, counting on over the turns.
@@ -207,8 +207,8 @@ class RunRequest:
         """
         part, counted = division / self.divisions, []
         for i, turns in enumerate(self.turns):
-            whole = math.tau * (turns * division / self.divisions)
-            counted.append(self.origin[i] + (whole if turns else self.span[i] * part))
+            turned = math.tau * (turns * division / self.divisions)
+            counted.append(self.origin[i] + (turned if turns else self.span[i] * part))
         return counted
 
 
@@ -315,5 +315,5 @@ def empty_rows(mechanism: LinkageTables, count: int) -> Rows:
     inputs, links = len(mechanism.inputs), len(mechanism.links) * mechanism.wants_angles
     shapes: Any = {"alpha": (inputs,), "residual": (), "condition": ()}
     shapes |= dict.fromkeys(OF_NODES, (len(mechanism.nodes), 2)) | dict.fromkeys(OF_LINKS, (links,))
-    found: Any = {name: np.zeros((count, *shape)) for name, shape in shapes.items()}
-    return Rows(**found, iterations=np.zeros(count, dtype=np.intc), reached=np.zeros(inputs))
+    arrays: Any = {name: np.zeros((count, *shape)) for name, shape in shapes.items()}
+    return Rows(**arrays, iterations=np.zeros(count, dtype=np.intc), reached=np.zeros(inputs))

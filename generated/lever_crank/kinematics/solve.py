@@ -85,58 +85,58 @@ class _Analysis:
         self.wants_angles = mechanism.wants_angles
         self.run = run
         self.rows = rows
-        self.way = Continuation(mechanism, run)
+        self.path = Continuation(mechanism, run)
 
     def make(self) -> None:
         """Write all rows, or all until the mechanism stops and where it did."""
-        rows, way = self.rows, self.way
+        rows, path = self.rows, self.path
         try:
-            self._follow(approach(way, assemble(way.newton, way.position)))
+            self._follow(approach(path, assemble(path.newton, path.position)))
         except StopError as stop:
             rows.status = stop.status
-        rows.reached = way.counted_inputs
+        rows.reached = path.counted_inputs
         if rows.status != AnalysisStatus.GOOD and rows.done < self.run.rows:
-            none = np.zeros_like(way.position.x)
+            none = np.zeros_like(path.position.x)
             self._write(0, none, none)
             rows.alpha[rows.done] = rows.reached
             rows.residual[rows.done] = rows.condition[rows.done] = math.inf
-        rows.block = way.newton.at
+        rows.block = path.newton.at
 
     def _follow(self, residual: float) -> None:
         """Go from division to division and write the rows that are asked for."""
-        run, rows, way = self.run, self.rows, self.way
-        iterations, begin, home = 0, way.division, way.position.x
+        run, rows, path = self.run, self.rows, self.path
+        iterations, begin, home = 0, path.division, path.position.x
         if run.times is not None:
-            way.motion_at(begin)
-            iterations, residual = way.advance(0, residual)
+            path.motion_at(begin)
+            iterations, residual = path.advance(0, residual)
         while True:
-            x_dot, x_ddot = way.motion_at(way.division)
-            if way.division >= run.first:
-                self._write(way.division, x_dot, x_ddot)
+            x_dot, x_ddot = path.motion_at(path.division)
+            if path.division >= run.first:
+                self._write(path.division, x_dot, x_ddot)
                 rows.iterations[rows.done] = iterations
                 rows.residual[rows.done] = residual
-                rows.condition[rows.done] = way.condition
+                rows.condition[rows.done] = path.condition
                 rows.done += 1
             if rows.done == run.rows:
                 return
-            iterations, residual = way.advance(way.division + 1, residual)
-            gone = way.division - begin
-            if way.division < run.first and gone % run.divisions == 0 and way.is_at(home):
+            iterations, residual = path.advance(path.division + 1, residual)
+            made = path.division - begin
+            if path.division < run.first and made % run.divisions == 0 and path.is_at(home):
                 # So many turns lead back, and so do as many more.
-                way.division += (run.first - way.division) // gone * gone
+                path.division += (run.first - path.division) // made * made
 
     def _write(self, division: int, x_dot: Array, x_ddot: Array) -> None:
-        """Write what is wanted of the position into the next row."""
-        run, rows, row, way = self.run, self.rows, self.rows.done, self.way
-        equations = way.newton.equations
-        equations.place(way.position)
-        equations.place(LinkageCoordinates(way.rate, x_dot), "_dot")
+        """Write the results that are wanted of the position into the next row."""
+        run, rows, row, path = self.run, self.rows, self.rows.done, self.path
+        equations = path.newton.equations
+        equations.place(path.position)
+        equations.place(LinkageCoordinates(path.rate, x_dot), "_dot")
         equations.place(LinkageCoordinates(np.asarray(run.rate_dot), x_ddot), "_ddot")
         equations.run("nodes")
         if self.wants_angles:
             equations.run("angles")
         for name in OF_NODES + OF_LINKS * self.wants_angles:
-            wanted = getattr(rows, name)[row]
-            wanted[:] = equations.region(name).reshape(wanted.shape)
+            result = getattr(rows, name)[row]
+            result[:] = equations.region(name).reshape(result.shape)
         is_timed = run.times is not None
-        rows.alpha[row] = way.position.alpha if is_timed else run.counted_inputs(division)
+        rows.alpha[row] = path.position.alpha if is_timed else run.counted_inputs(division)

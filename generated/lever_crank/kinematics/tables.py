@@ -158,10 +158,10 @@ class LinkageTables:
         """Mechanism from ``motion.json``, with the segments of ``solver.py``."""
         blocks, first = [], 0
         for block in data["blocks"]:
-            own = slice(first, first + len(block["unknowns"]))
+            unknowns = slice(first, first + len(block["unknowns"]))
             curves = tuple(Curve(**curve) for curve in block["curves"])
-            blocks.append(Block(own, tuple(block["links"]), curves))
-            first = own.stop
+            blocks.append(Block(unknowns, tuple(block["links"]), curves))
+            first = unknowns.stop
         return cls(
             unit=data["unit"],
             length=data["length"],

@@ -196,20 +196,20 @@ class Trajectory(Result):
     @cached_property
     def places(self) -> dict[str, Column]:
         """Places of the columns: the input is called ``alpha``, several ones by their names."""
-        found = {"time": Column("time", "", None, "s")} if self.is_in_time else {}
+        columns = {"time": Column("time", "", None, "s")} if self.is_in_time else {}
         for name in self.inputs:
             shown = "alpha" if len(self.inputs) == 1 else name
-            found[shown] = Column("inputs", name, None, self.input_units.get(name, "-"))
+            columns[shown] = Column("inputs", name, None, self.input_units.get(name, "-"))
         for node in self.positions:
             for table, letter, per in NODE:
                 if node in getattr(self, table):
                     for k, axis in enumerate("xy"):
                         unit = f"{self.unit}{per}"
-                        found[f"{node}.{letter}{axis}"] = Column(table, node, k, unit)
+                        columns[f"{node}.{letter}{axis}"] = Column(table, node, k, unit)
         for link in self.angles:
             for table, ending, per in LINK:
-                found[f"{link}.angle{ending}"] = Column(table, link, None, f"rad{per}")
-        return found
+                columns[f"{link}.angle{ending}"] = Column(table, link, None, f"rad{per}")
+        return columns
 
     def _names(self, sort: str) -> list[str]:
         return [*self.positions] if sort == "node" else [link[0] for link in self.links]
@@ -221,8 +221,8 @@ class Trajectory(Result):
         least = int(np.min(steps[1:])) if len(steps) > 1 else 0
         counts = least, int(np.max(steps, initial=0)), int(np.sum(steps))
         sizes = self.residual_max, float(np.max(self.condition, initial=0.0))
-        own = Iterations(self.method, self.target, len(self), *counts, *sizes, self.unit)
-        return cast("Ledger", own)
+        iterations = Iterations(self.method, self.target, len(self), *counts, *sizes, self.unit)
+        return cast("Ledger", iterations)
 
     @property
     def turn_gaps(self) -> dict[str, float]:
@@ -242,30 +242,30 @@ class Trajectory(Result):
     @property
     def notes(self) -> tuple[str, ...]:
         """Notes for a reader: turns that do not lead back, and digits that are lost."""
-        found = []
-        far = ", ".join(f"{node} {gap:.3g} {self.unit}" for node, gap in self.turn_gaps.items())
-        if far:
-            found.append(f"a turn leads to another assembly: {far} from where it began")
+        notes = []
+        gaps = ", ".join(f"{node} {gap:.3g} {self.unit}" for node, gap in self.turn_gaps.items())
+        if gaps:
+            notes.append(f"a turn leads to another assembly: {gaps} from where it began")
         if (condition := self.ledger.condition) >= DIGITS_LOST:
             k = int(np.argmax(self.condition))
             where = ", ".join(
                 f"{name} = {values[k]:.9g} {self.input_units.get(name, '')}".rstrip()
                 for name, values in self.inputs.items()
             )
-            found.append(
+            notes.append(
                 f"near a dead centre, at {where}, positions lose {math.log10(condition):.0f} of 16"
                 " digits, and velocities and accelerations up to twice as many"
             )
-        return tuple(found)
+        return tuple(notes)
 
     def main_columns(self, of: str | None = None) -> list[str]:
         """Columns of a node, or of the last one that moves and angles of links."""
-        parts = [[x for x in self.places if x.startswith(f"{node}.")] for node in self.positions]
+        groups = [[x for x in self.places if x.startswith(f"{node}.")] for node in self.positions]
         if of is None:
-            own = [one for one in parts if self._moving(one)]
-            turning = [x for x, it in self.places.items() if it.table == "angles"]
+            moving = [group for group in groups if self._moving(group)]
+            turning = [x for x, column in self.places.items() if column.table == "angles"]
             links = [x for x in turning if self._moving([x])]
-            return [*self.places][: len(self.inputs)] + (own or parts)[-1] + links
+            return [*self.places][: len(self.inputs)] + (moving or groups)[-1] + links
         return [x for x in self.places if x.startswith(f"{of}.")]
 
     def summary(self) -> dict[str, Any]:
@@ -285,18 +285,18 @@ class Trajectory(Result):
         }
 
 
-def named_tables(name: str, found: Mapping[str, tuple[Sequence[str], Array]]) -> dict[str, Any]:
+def named_tables(name: str, generated: Mapping[str, tuple[Sequence[str], Array]]) -> dict[str, Any]:
     """Tables of a trajectory by name, given owners and columns of those that were generated.
 
     Columns are (rows, owners) or (rows, owners, 2), each in its unit.
     """
     tables = {}
     for table, output in TABLES.items():
-        owners, values = found.get(table, ((), np.empty(0)))
-        what = "input" if table == "inputs" else table.replace("_", " ")
-        advice = "" if owners else f"{name}: {not_generated(what, output)}"
-        own = {owner: values[:, k] for k, owner in enumerate(owners)}
-        tables[table] = Named(own, f"{name}: no {what}", advice)
+        owners, values = generated.get(table, ((), np.empty(0)))
+        label = "input" if table == "inputs" else table.replace("_", " ")
+        advice = "" if owners else f"{name}: {not_generated(label, output)}"
+        columns = {owner: values[:, k] for k, owner in enumerate(owners)}
+        tables[table] = Named(columns, f"{name}: no {label}", advice)
     return tables
 
 
@@ -304,21 +304,21 @@ def trajectory_of(
     mechanism: LinkageTables, run: RunRequest, rows: Rows, *, name: str, target: str
 ) -> Trajectory:
     """Trajectory of the good rows."""
-    n, wanted, found = rows.done, ("positions", *mechanism.outputs), {}
-    inputs, links = ([one.name for one in own] for own in (mechanism.inputs, mechanism.links))
+    n, wanted, generated = rows.done, ("positions", *mechanism.outputs), {}
+    inputs, links = ([r.name for r in records] for records in (mechanism.inputs, mechanism.links))
     owners = (inputs, *[mechanism.nodes] * len(OF_NODES), *[links] * len(OF_LINKS))
     fields = ("alpha", *OF_NODES, *OF_LINKS)
-    for (table, output), own, field in zip(TABLES.items(), owners, fields, strict=True):
+    for (table, output), names, field in zip(TABLES.items(), owners, fields, strict=True):
         values = getattr(rows, field)[:n]
         values.flags.writeable = False  # nobody can write to what others read
         if output in wanted:
-            found[table] = own, values
+            generated[table] = names, values
     return Trajectory(
         name=name,
         unit=mechanism.unit,
         method=LINKAGE_METHODS[run.method],
         divisions=run.divisions,
-        input_units={given.name: given.unit for given in mechanism.inputs},
+        input_units={coordinate.name: coordinate.unit for coordinate in mechanism.inputs},
         times=_times(run, n) if run.times is None else run.times[:n],
         is_in_time=run.times is not None,
         iterations=rows.iterations[:n],
@@ -326,21 +326,21 @@ def trajectory_of(
         condition=rows.condition[:n],
         links=mechanism.links,
         target=target,
-        **named_tables(name, found),
+        **named_tables(name, generated),
     )
 
 
 def _times(run: RunRequest, count: int) -> Array | None:
     """Times at which the inputs have their values, if all change evenly and take as long."""
-    ways = [
-        math.tau * turns if turns else way for turns, way in zip(run.turns, run.span, strict=True)
+    spans = [
+        math.tau * turns if turns else span for turns, span in zip(run.turns, run.span, strict=True)
     ]
     if any(run.rate_dot) or not all(
-        way * rate > 0.0 for way, rate in zip(ways, run.rate, strict=True)
+        span * rate > 0.0 for span, rate in zip(spans, run.rate, strict=True)
     ):
         return None
-    took = [way / rate for way, rate in zip(ways, run.rate, strict=True)]
-    if max(took) - min(took) > 1e-12 * max(took):
+    durations = [span / rate for span, rate in zip(spans, run.rate, strict=True)]
+    if max(durations) - min(durations) > 1e-12 * max(durations):
         return None
-    times: Array = took[0] * ((run.first + np.arange(count)) / run.divisions)
+    times: Array = durations[0] * ((run.first + np.arange(count)) / run.divisions)
     return times

@@ -40,7 +40,7 @@ class Alone:
     Parameters
     ----------
     solver : SceneSolver
-        That of the folder.
+        The solver of the folder.
     data : mapping
         What its ``motion.json`` holds.
     """
@@ -83,7 +83,7 @@ class RunAlone:
     Parameters
     ----------
     scene : Alone
-        What moves.
+        The scene.
     times : (n,) array [s]
         The times to write, ascending.
     tolerance, method, step, largest_step, checks, most_steps, parameters, initial, q0, v0
@@ -110,8 +110,8 @@ class RunAlone:
         name, solver = scene.layout.name, scene.solver
         values = values_of(name, dict(scene.data["parameters"]), parameters_of(parameters, q0))
         require_steps(name, tolerance, step, largest_step, most_steps)
-        started = initial_of(scene.layout, initial, q0, v0)
-        methods = [*(one.name for one in METHODS), *[KINEMATICS] * solver.scene.is_driven]
+        initial_values = initial_of(scene.layout, initial, q0, v0)
+        methods = [*(tableau.name for tableau in METHODS), *[KINEMATICS] * solver.scene.is_driven]
         chosen = method or method_for(tolerance, is_driven=solver.scene.is_driven)
         if chosen not in methods:
             raise ValueError(f"{name}: {unknown('method', chosen, methods)}")
@@ -121,35 +121,35 @@ class RunAlone:
         self.state, self._work = np.zeros(solver.scene.state_size), np.zeros(solver.scene.work_size)
         self._rows, self._layout = np.empty((len(times), solver.scene.row_size)), scene.layout
         self._parameters = values
-        self._told: list[Array] = []
+        self._event_rows: list[Array] = []
         start = np.array([*scene.data["q"], *scene.data["v"]], float)
-        nq, given = solver.scene.nq, np.array(list(values.values()), float)
+        nq, numbers = solver.scene.nq, np.array(list(values.values()), float)
         if solver.scene.has_design:
-            if solver.evaluate(0.0, start[:nq], start[nq:], given, self._work) != Status.GOOD:
+            if solver.evaluate(0.0, start[:nq], start[nq:], numbers, self._work) != Status.GOOD:
                 raise ValueError(
                     f"{name}: parameters {values}: wanted such that masses, moments and lengths are"
                     " positive, and no moment is larger than the two others together"
                 )
             design = scene.data["design"]
             base, size = design["place"]
-            numbers = self._work[base : base + size].copy()
-            for place, at in design["start"]:
-                start[place] = numbers[at]
-            self._layout = scene.layout.at(numbers)
-        status = solver.start(0.0, start[:nq], start[nq:], given, self.state, self._work)
-        is_as_given = bool(self._layout.given) and (given != solver.scene.parameters).any()
-        is_elsewhere = any(started)
-        self._require(status, may_lack_values=is_as_given or is_elsewhere)
-        if is_as_given:
+            design_values = self._work[base : base + size].copy()
+            for slot, index in design["start"]:
+                start[slot] = design_values[index]
+            self._layout = scene.layout.at(design_values)
+        status = solver.start(0.0, start[:nq], start[nq:], numbers, self.state, self._work)
+        is_assembled_anew = bool(self._layout.given) and (numbers != solver.scene.parameters).any()
+        has_initial = any(initial_values)
+        self._require(status, may_lack_values=is_assembled_anew or has_initial)
+        if is_assembled_anew:
             y = state_of(solver.scene, self.state).y
             q, v, self._layout, _ = assembled_start(
-                self._layout, self._evaluate(given), y, is_told=not started.q0
+                self._layout, self._evaluate(numbers), y, is_told=not initial_values.q0
             )
-            status = solver.start(0.0, q, v, given, self.state, self._work)
-            self._require(status, may_lack_values=is_elsewhere)
-        if is_elsewhere:
-            led = self._led(started, given)
-            self._require(solver.start(0.0, *led, given, self.state, self._work))
+            status = solver.start(0.0, q, v, numbers, self.state, self._work)
+            self._require(status, may_lack_values=has_initial)
+        if has_initial:
+            led_start = self._initial_start(initial_values, numbers)
+            self._require(solver.start(0.0, *led_start, numbers, self.state, self._work))
 
     def __repr__(self) -> str:
         state = state_of(self._scene.solver.scene, self.state)
@@ -157,7 +157,7 @@ class RunAlone:
         at = f"at {self.time:.6g} s, {int(state.steps)} steps"
         return f"<Run of {self._scene.layout.name}: {at}, {rows}>"
 
-    def _led(self, initial: InitialValues, parameters: Array) -> tuple[Array, Array]:
+    def _initial_start(self, initial: InitialValues, parameters: Array) -> tuple[Array, Array]:
         """Coordinates q and velocities v with initial values, given the start of the scene."""
         from .initial_poses import started
 
@@ -183,12 +183,12 @@ class RunAlone:
         solver, state = self._scene.solver, state_of(self._scene.solver.scene, self.state)
         last = state.steps + max_steps
         while True:
-            rows, left = self._rows[int(state.next_row) :], int(last - state.steps)
+            rows, remaining = self._rows[int(state.next_row) :], int(last - state.steps)
             status, written = solver.run(
-                self._settings, self.times, left, self.state, self._work, rows
+                self._settings, self.times, remaining, self.state, self._work, rows
             )
             if status in {Status.EVENT, Status.STOPPED}:
-                add_row(self._told, state.event, rows[written])
+                add_row(self._event_rows, state.event, rows[written])
             if status != Status.EVENT:
                 return status
 
@@ -200,8 +200,8 @@ class RunAlone:
         StoppedError
             The motion cannot go on.
         """
-        done = int(state_of(self._scene.solver.scene, self.state).steps)
-        status = self.advance(max(0, self.most_steps - done))
+        made = int(state_of(self._scene.solver.scene, self.state).steps)
+        status = self.advance(max(0, self.most_steps - made))
         if status not in {Status.GOOD, Status.STOPPED}:
             raise StoppedError(self._why(status), self.motion())
         return self.motion()
@@ -212,7 +212,7 @@ class RunAlone:
         data, scene = self._scene.data, self._scene.solver.scene
         checked = ([tuple(row) for row in data[part]] for part in CheckedRows._fields)
         trust = trust_of(
-            {one.name: one.view(self.state) for one in fields(scene.state_sizes)},
+            {field.name: field.view(self.state) for field in fields(scene.state_sizes)},
             CheckedRows(*checked),
             self._layout,
             self._settings,
@@ -221,7 +221,7 @@ class RunAlone:
         )
         rows, is_complete = self._rows[:written], written == len(self.times)
         counts = state_of(scene, self.state).counts.tolist()
-        events = np.array(self._told).reshape(-1, 1 + rows.shape[1])
+        events = np.array(self._event_rows).reshape(-1, 1 + rows.shape[1])
         if len(events) and self._layout.events[int(events[-1, 0])][1] == "stop":
             rows = np.vstack((rows, events[-1:, 1:]))
         return Motion(
@@ -236,7 +236,7 @@ class RunAlone:
         )
 
     def _require(self, status: int, *, may_lack_values: bool = False) -> None:
-        """Require that a run has started, or has come to where it is led away from."""
+        """Require that a run has started, or stands where initial values lead it away from."""
         if status == Status.NO_VALUE and may_lack_values:
             return
         if status != Status.GOOD:
@@ -253,12 +253,12 @@ class RunAlone:
         if status == Status.DEPENDENT:
             from .nearly_dependent import nearly_dependent  # other scenes do not have it
 
-            data, one = self._scene.data, self._layout
+            data, layout = self._scene.data, self._layout
             rows = [row for part in CheckedRows._fields for row in data[part]]
-            told: str = nearly_dependent(
-                one.name, rows, data["places"], self._work, one.closure_tolerance
+            message: str = nearly_dependent(
+                layout.name, rows, data["places"], self._work, layout.closure_tolerance
             )
-            return told
+            return message
         if status == Status.INFINITE:
             why = infinite(self._layout, state.pole)
             return f"{self._scene.layout.name}: {why}, at t = {self.time:.9g} s"

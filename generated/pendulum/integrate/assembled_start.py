@@ -1,4 +1,4 @@
-"""The start of a run with other parameters, assembled anew: what the file with these would have.
+"""Start of a run with other parameters, assembled anew: as of the scene file with these.
 
 Bodies are where they fit nearest to where the scene has them, weighed with masses and moments of
 inertia; their velocities are those of the scene there, changed by the least. Assembly found both
@@ -35,16 +35,16 @@ FIRST_PROJECTION_STEPS = 3
 #: A step that counts as rounding, and one that is small enough where rounding goes on.
 ROUNDING_OF_PROJECTION_STEPS = 1e-15
 SMALL_PROJECTION_STEP = 1e-12
-#: Below this angle [rad] a series has all digits.
+#: Below this angle [rad] the first term of a series has all digits.
 SERIES = 1e-4
-#: What is told where no step leads nearer.
+#: The note where no step leads nearer.
 NOT_NEAREST = (
     "with these parameters bodies begin where they follow to from the start of the scene: the"
     " nearest place, where the file with them has bodies, was not found"
 )
-#: Notes leave out what is below this part of a scene's length or speed: "near" means that.
+#: Notes leave out changes below this part of a scene's length or speed: "near" means that.
 TOLD = 1e-2
-#: What is below this part of them is known from no digit that people give.
+#: Changes below this part of them are rounding of the digits that people give.
 KNOWN = 1e-6
 #: Bodies that notes name.
 MOST_BODIES_NAMED = 4
@@ -107,11 +107,11 @@ class Places:
 
     def of(self, source: Array) -> Array:
         """Components (components, bodies) of bodies in q or v (n,), in their units."""
-        found: Array = np.where(self.moves, source[self.at], self.numbers)
-        return found
+        components: Array = np.where(self.moves, source[self.at], self.numbers)
+        return components
 
     def put(self, target: Array, values: Array) -> None:
-        """Write those (components, bodies) that have a place to q or v (n,)."""
+        """Write the components (components, bodies) that have a place to q or v (n,)."""
         target[self.at[self.moves]] = values[self.moves]
 
 
@@ -128,52 +128,52 @@ class WrittenBodies:
 
     def __init__(self, layout: Layout) -> None:
         pairs = zip(layout.bodies, layout.given, strict=True)
-        moving = [(body, one) for body, one in pairs if indices((*body.v, *body.omega_b))]
+        moving = [(body, start) for body, start in pairs if indices((*body.v, *body.omega_b))]
         keys = [(*body.r, *body.p, *body.v, *body.omega_b) for body, _ in moving]
         carriers = {key: body for key, (body, _) in reversed([*zip(keys, moving, strict=True)])}
         order = {key: k for k, key in enumerate(carriers)}
         self.carrier, self.count = np.array([order[key] for key in keys], dtype=int), len(order)
         bodies = [*carriers.values()]
-        self.r, self.v = Places([one.r for one in bodies]), Places([one.v for one in bodies])
-        self.p = Places([one.p or NO_TURN for one in bodies])
-        self.omega_b = Places([one.omega_b or (0.0,) * 3 for one in bodies])
-        table = np.array([one.mass_properties for _, one in moving]).T
-        self.mass, self.inertia, arm, own = table[0], table[1:4], table[4:7], _back(table[7:])
+        self.r, self.v = Places([body.r for body in bodies]), Places([body.v for body in bodies])
+        self.p = Places([body.p or NO_TURN for body in bodies])
+        self.omega_b = Places([body.omega_b or (0.0,) * 3 for body in bodies])
+        table = np.array([start.mass_properties for _, start in moving]).T
+        self.mass, self.inertia, arm, principal = table[0], table[1:4], table[4:7], _back(table[7:])
         self.heavy = np.maximum(self.inertia, THIN * self.inertia.max(axis=0))
         self.frame = np.array([body.axes_b for body, _ in moving]).T
         self.origin = np.array([body.origin_b for body, _ in moving]).T
-        self.axes = composed(self.frame, own)
+        self.axes = composed(self.frame, principal)
         self.center = self.origin - rotated(self.axes, arm)
-        self.written_p = composed(np.array([one.orientation for _, one in moving]).T, own)
-        self.has_places = all(one.position for _, one in moving)
+        self.written_p = composed(np.array([start.orientation for _, start in moving]).T, principal)
+        self.has_places = all(start.position for _, start in moving)
         if self.has_places:
-            position = layout.unit * np.array([one.position for _, one in moving]).T
+            position = layout.unit * np.array([start.position for _, start in moving]).T
             self.written_r = position - rotated(self.written_p, arm)
-        self.velocity = layout.unit * np.array([one.velocity for _, one in moving]).T
-        self.spin = np.array([one.spin for _, one in moving]).T
-        self.is_in_o = np.array([one.is_in_o for _, one in moving])
+        self.velocity = layout.unit * np.array([start.velocity for _, start in moving]).T
+        self.spin = np.array([start.spin for _, start in moving]).T
+        self.is_in_o = np.array([start.is_in_o for _, start in moving])
         self.masses = self._summed(self.mass[np.newaxis])[0]
-        self.moments = self._summed(self._own_moments())
+        self.moments = self._summed(self._moments_about_origins())
 
     def _summed(self, values: Array) -> Array:
-        """Sum of what the bodies of each carrier have."""
-        found = np.zeros((len(values), self.count))
-        np.add.at(found.T, self.carrier, values.T)
-        return found
+        """Sums of values (n, bodies) over the bodies of each carrier, (n, carriers)."""
+        sums = np.zeros((len(values), self.count))
+        np.add.at(sums.T, self.carrier, values.T)
+        return sums
 
-    def _own_moments(self) -> Array:
-        """Diagonal of moments of inertia about the origin of the carrier."""
-        found: Array = self.mass * ((self.center**2).sum(axis=0) - self.center**2)
+    def _moments_about_origins(self) -> Array:
+        """Moments of inertia about the axes of the principal frame of the carrier, (3, bodies)."""
+        moments: Array = self.mass * ((self.center**2).sum(axis=0) - self.center**2)
         for axis, moment in zip(np.eye(3)[:, :, np.newaxis], self.inertia, strict=True):
-            found += moment * rotated(self.axes, np.broadcast_to(axis, found.shape)) ** 2
-        return found
+            moments += moment * rotated(self.axes, np.broadcast_to(axis, moments.shape)) ** 2
+        return moments
 
     def _put(self, u: Array, turn: Array, linear: Array, angular: Array) -> None:
         """Write M⁻¹ times a force and torque, or momentum, in the frames of carriers."""
         force, torque = self._summed(linear), self._summed(crossed(self.center, linear) + angular)
         self.v.put(u, rotated(turn, force) / self.masses)
-        rest = np.zeros_like(torque)
-        self.omega_b.put(u, np.divide(torque, self.moments, out=rest, where=self.moments > 0.0))
+        rotation = np.zeros_like(torque)
+        self.omega_b.put(u, np.divide(torque, self.moments, out=rotation, where=self.moments > 0.0))
 
     def move(self, q: Array, v: Array) -> None:
         """Write velocities v (nv,) [m/s, rad/s] of the scene at q (nq,).
@@ -188,25 +188,25 @@ class WrittenBodies:
         self._put(v, turn, self.mass * velocity, spin)
 
     def pull(self, q: Array, u: Array) -> None:
-        """Write u = M⁻¹ f (nv,) [m, rad], f of ½ dᵀ W d at the displacement d since the scene.
+        """Write u = M⁻¹ f (nv,) [m, rad], f the gradient of ½ dᵀ W d at q (nq,).
 
-        That is at q (nq,); W has masses and moments of inertia. u is in the order of v, lengths in
-        frame O and turns in principal frames.
+        d is the displacement since the scene, W has masses and moments of inertia. u is in the
+        order of v, lengths in frame O and turns in principal frames.
         """
         r, turn = self.r.of(q), self.p.of(q)
-        own = turn[:, self.carrier]
-        moved = r[:, self.carrier] + rotated(own, self.center) - self.written_r
-        since = composed(_back(self.written_p), composed(own, self.axes))
-        sine = np.sqrt((since[1:] ** 2).sum(axis=0))
-        angle = 2.0 * np.arctan2(sine, np.abs(since[0]))
+        p = turn[:, self.carrier]
+        displacement = r[:, self.carrier] + rotated(p, self.center) - self.written_r
+        relative = composed(_back(self.written_p), composed(p, self.axes))
+        sine = np.sqrt((relative[1:] ** 2).sum(axis=0))
+        angle = 2.0 * np.arctan2(sine, np.abs(relative[0]))
         half = np.maximum(angle, SERIES) / 2.0
         # with T of a rotation vector w, δθ′ = T dw, the torque is T⁻ᵀ I′ w
-        w = since[1:] * np.copysign(angle / np.where(sine > 0.0, sine, 1.0), since[0])
-        part = np.where(angle > SERIES, (1.0 - half / np.tan(half)) / half**2 / 4.0, 1.0 / 12.0)
+        w = relative[1:] * np.copysign(angle / np.where(sine > 0.0, sine, 1.0), relative[0])
+        factor = np.where(angle > SERIES, (1.0 - half / np.tan(half)) / half**2 / 4.0, 1.0 / 12.0)
         effort = self.heavy * w
         across = crossed(w, effort)
-        torque = effort - across / 2.0 + part * crossed(w, across)
-        force = self.mass * rotated(_back(own), moved)
+        torque = effort - across / 2.0 + factor * crossed(w, across)
+        force = self.mass * rotated(_back(p), displacement)
         self._put(u, turn, force, rotated(self.axes, torque))
 
 
@@ -258,13 +258,13 @@ class Change(NamedTuple):
             f"velocity by {self.sizes.velocity / metres:.3g} {unit}/s",
             f"angular velocity by {self.sizes.angular_velocity:.3g} rad/s",
         )
-        told = [text for text, part in zip(texts, self.parts, strict=True) if part > TOLD]
-        return f"{CHANGED} bodies.{self.body}: {', '.join(told)}" if told else ""
+        parts = [text for text, part in zip(texts, self.parts, strict=True) if part > TOLD]
+        return f"{CHANGED} bodies.{self.body}: {', '.join(parts)}" if parts else ""
 
 
 def notes_of(changes: Sequence[Change], metres: float, unit: str) -> tuple[str, ...]:
     """Notes on bodies that are not near where the scene has them, in its unit of length."""
-    notes = [note for one in changes if (note := one.note(metres, unit))]
+    notes = [note for change in changes if (note := change.note(metres, unit))]
     if len(notes) > MOST_BODIES_NAMED:
         notes[MOST_BODIES_NAMED:] = [
             f"{CHANGED} {len(notes) - MOST_BODIES_NAMED} more bodies, by less"
@@ -274,8 +274,8 @@ def notes_of(changes: Sequence[Change], metres: float, unit: str) -> tuple[str, 
 
 def known(changes: Iterable[Change]) -> list[Change]:
     """Changes that are larger than digits that a scene leaves out, the largest first."""
-    found = (one for one in changes if max(one.parts) > KNOWN)
-    return sorted(found, key=lambda one: -max(one.parts))
+    changed = (change for change in changes if max(change.parts) > KNOWN)
+    return sorted(changed, key=lambda change: -max(change.parts))
 
 
 def changes_of(layout: Layout, q: Array, v: Array) -> list[Change]:
@@ -284,25 +284,25 @@ def changes_of(layout: Layout, q: Array, v: Array) -> list[Change]:
     They are those to q (nq,) and v (nv,) of the solver, in SI units.
     """
     tables = body_tables(layout.bodies, q[np.newaxis], v[np.newaxis], None, layout.unit)
-    found = []
-    for body, given in zip(layout.bodies, layout.given, strict=True):
-        place, velocity = (tables[x][body.name][0] for x in ("position", "velocity"))
-        shift = _norm(place - given.position) if given.position else 0.0
+    changes = []
+    for body, written in zip(layout.bodies, layout.given, strict=True):
+        position, velocity = (tables[x][body.name][0] for x in ("position", "velocity"))
+        shift = _norm(position - written.position) if written.position else 0.0
         angle = spun = spin = 0.0
         if body.p:
             p = tables["orientation"][body.name].T
-            turn = composed(_back(np.array([given.orientation]).T), p)
+            turn = composed(_back(np.array([written.orientation]).T), p)
             angle = 2.0 * math.atan2(_norm(turn[1:]), abs(turn[0].item()))
-            omega, spin = tables["angular_velocity"][body.name].T, _norm(given.spin)
-            omega = rotated(p, omega) if given.is_in_o else omega
-            spun = _norm(omega[:, 0] - given.spin) if spin else 0.0
-        speed, length = _norm(given.velocity), layout.length / layout.unit
-        change = _norm(velocity - given.velocity) if speed else 0.0
+            omega, spin = tables["angular_velocity"][body.name].T, _norm(written.spin)
+            omega = rotated(p, omega) if written.is_in_o else omega
+            spun = _norm(omega[:, 0] - written.spin) if spin else 0.0
+        speed, length = _norm(written.velocity), layout.length / layout.unit
+        change = _norm(velocity - written.velocity) if speed else 0.0
         fastest = speed + spin * length
         rates = (change / fastest, spun * length / fastest) if fastest else (0.0, 0.0)
         sizes = Moved(shift * layout.unit, angle, change * layout.unit, spun)
-        found.append(Change(body.name, sizes, (shift / length, angle, *rates)))
-    return known(found)
+        changes.append(Change(body.name, sizes, (shift / length, angle, *rates)))
+    return known(changes)
 
 
 def _norm(a: Any) -> float:
@@ -326,7 +326,7 @@ def assembled_start(
     y : (nq + nv,) array
         Where bodies fit, on the branch of the scene: q, then some v, in SI units.
     is_told : bool
-        Whether what it changes is told: not where the caller places the bodies.
+        Whether changes are noted: not where the caller places the bodies.
 
     Returns
     -------
@@ -335,43 +335,43 @@ def assembled_start(
     layout, changes : Layout, list of Change
         With the notes, and what they tell.
     """
-    given, count = WrittenBodies(layout), layout.sizes["q"]
+    bodies, count = WrittenBodies(layout), layout.sizes["q"]
     q, v = y[:count].copy(), y[count:].copy()
-    if given.has_places:
-        found = nearest(layout, given, evaluate, q)
-        if found is None:
+    if bodies.has_places:
+        nearest_q = nearest(layout, bodies, evaluate, q)
+        if nearest_q is None:
             layout = replace(layout, notes=(*layout.notes, NOT_NEAREST))
         else:
-            q = found
-    given.move(q, v)
+            q = nearest_q
+    bodies.move(q, v)
     v += evaluate(q, v)["dv"]
     changes = changes_of(layout, q, v) if is_told else []
     notes = [note for note in layout.notes if not note.startswith(CHANGED)]
-    told = notes_of(changes, layout.unit, layout.unit_name)
-    return q, v, replace(layout, notes=(*told, *notes)), changes
+    change_notes = notes_of(changes, layout.unit, layout.unit_name)
+    return q, v, replace(layout, notes=(*change_notes, *notes)), changes
 
 
-def nearest(layout: Layout, given: WrittenBodies, evaluate: Evaluate, q: Array) -> Array | None:
+def nearest(layout: Layout, bodies: WrittenBodies, evaluate: Evaluate, q: Array) -> Array | None:
     """Place (nq,) nearest to where the scene has its bodies, that can be reached from q (nq,).
 
-    There the force f of ½ dᵀ W d is normal to the constraints: what is tangent of −M⁻¹ f is a step
-    towards it, as long as Barzilai and Borwein take it. None where that leads nowhere. In SI units.
+    There the gradient f of ½ dᵀ W d is normal to the constraints: the tangent part of −M⁻¹ f is a
+    step towards it, as long as Barzilai and Borwein take it. None where it leads nowhere. SI units.
     """
     rest, moves = np.zeros(layout.sizes["v"]), np.ones(len(q))
-    moves[[place for _, place in layout.works]] = 0.0
+    moves[[index for _, index in layout.works]] = 0.0
     sizes, sizes_q, weights = np.ones(len(rest)), np.ones(len(q)), np.ones(len(rest))
-    lengths = np.full((3, given.count), layout.length)
+    lengths = np.full((3, bodies.count), layout.length)
     for target, places, values in (
-        (sizes, given.v, lengths),
-        (sizes_q, given.r, lengths),
-        (weights, given.v, np.tile(given.masses, (3, 1))),
-        (weights, given.omega_b, given.moments),
+        (sizes, bodies.v, lengths),
+        (sizes_q, bodies.r, lengths),
+        (weights, bodies.v, np.tile(bodies.masses, (3, 1))),
+        (weights, bodies.omega_b, bodies.moments),
     ):
         places.put(target, values)
     last, before, step = np.inf, rest, rest
     for _ in range(MOST_PROJECTION_STEPS):
         u = rest.copy()
-        given.pull(q, u)
+        bodies.pull(q, u)
         u += evaluate(q, u)["dv"] - evaluate(q, rest)["dv"]
         size = float(np.max(np.abs(u) / sizes, initial=0.0))
         if size <= ROUNDING_OF_PROJECTION_STEPS or (
@@ -381,10 +381,10 @@ def nearest(layout: Layout, given: WrittenBodies, evaluate: Evaluate, q: Array) 
         bend = step @ (weights * (u - before))
         part = float(step @ (weights * step) / bend) if bend > 0.0 else 1.0
         before, step = u, -min(part, LONGEST_PROJECTION_STEP / size) * u
-        found = _closed(evaluate, q + moves * evaluate(q, step)["q_dot"], rest, sizes_q)
-        if found is None:
+        closed = _closed(evaluate, q + moves * evaluate(q, step)["q_dot"], rest, sizes_q)
+        if closed is None:
             break
-        q, last = found, size
+        q, last = closed, size
     return None
 
 

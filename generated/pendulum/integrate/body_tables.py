@@ -65,7 +65,7 @@ class BodyPlaces:
 def body_tables(
     bodies: Sequence[BodyPlaces], q: Array, v: Array, v_dot: Array | None, unit: float
 ) -> dict[str, dict[str, Array]]:
-    """Position, velocity and what else there is of each body, in the order of the scene.
+    """Tables of position, velocity and what else there is of each body, in the order of the scene.
 
     Of the origin s′ of its frame r + A s′, ṙ + A ω̃′s′ and r̈ + A (ω̇̃′s′ + ω̃′ω̃′s′), in frame O;
     ω′ and ω̇′ [rad/s, rad/s²] in its frame.
@@ -87,22 +87,22 @@ def body_tables(
         For each table the bodies that have it, lengths in the unit of the scene; Euler parameters
         are (n, 4) [-].
     """
-    found: dict[str, dict[str, Array]] = {}
+    all_tables: dict[str, dict[str, Array]] = {}
     rates = None if v_dot is None else v_dot.T
     size = max(1, TOGETHER // max(1, len(q)))
     for start in range(0, len(bodies), size):
-        part = bodies[start : start + size]
+        chunk = bodies[start : start + size]
         tables: dict[str, dict[str, Array]] = {}
-        for of, turns in ((_of_rigid, True), (_of_points, False)):
-            own = [body for body in part if bool(body.p) == turns]
-            for name, values in of(own, q.T, v.T, rates).items() if own else ():
+        for tables_of, turns in ((_rigid_tables, True), (_point_tables, False)):
+            members = [body for body in chunk if bool(body.p) == turns]
+            for name, values in tables_of(members, q.T, v.T, rates).items() if members else ():
                 scaled = values / unit if name in LENGTHS else values
-                pairs = {body.name: scaled[:, k].T for k, body in enumerate(own)}
-                tables[name] = tables.get(name, {}) | pairs
+                columns = {body.name: scaled[:, k].T for k, body in enumerate(members)}
+                tables[name] = tables.get(name, {}) | columns
         for name, table in tables.items():
-            ordered = {body.name: table[body.name] for body in part if body.name in table}
-            found.setdefault(name, {}).update(ordered)
-    return found
+            ordered = {body.name: table[body.name] for body in chunk if body.name in table}
+            all_tables.setdefault(name, {}).update(ordered)
+    return all_tables
 
 
 def written_state(
@@ -128,16 +128,16 @@ def written_state(
         For each body ṙ (3) in frame O, in the unit of the scene per second, then ω′ (3) [rad/s] in
         its own frame, unless it is a point; n and m as :func:`written_sizes` tells.
     """
-    found = body_tables(bodies, q[np.newaxis], v[np.newaxis], None, unit)
-    places, rates = (
-        [found[name][body.name][0] for body in bodies for name in names if body.name in found[name]]
-        for names in (
-            [name for name in ("position", "orientation") if name in found],
-            [name for name in ("velocity", "angular_velocity") if name in found],
+    tables = body_tables(bodies, q[np.newaxis], v[np.newaxis], None, unit)
+    positions, rates = (
+        [tables[key][body.name][0] for body in bodies for key in keys if body.name in tables[key]]
+        for keys in (
+            [name for name in ("position", "orientation") if name in tables],
+            [name for name in ("velocity", "angular_velocity") if name in tables],
         )
     )
     empty = np.zeros(0)
-    return np.concatenate([empty, *places]), np.concatenate([empty, *rates])
+    return np.concatenate([empty, *positions]), np.concatenate([empty, *rates])
 
 
 def written_sizes(bodies: Sequence[BodyPlaces]) -> tuple[int, int]:
@@ -156,7 +156,7 @@ def solver_state(
     """Coordinates and velocities of a solver from a state as the scene is written, r − A s′.
 
     What the solver does not have, such as a displacement out of the plane that it moves in, or the
-    place of a body beside that of another one that carries it, is not looked at:
+    place of a body beside that of another one that carries it, is ignored:
     :func:`written_state` of what is returned tells whether it was as the solver has it.
 
     Parameters
@@ -208,29 +208,29 @@ def indices(places: Sequence[float]) -> list[int]:
 
 def _put(target: Array, places: Sequence[int | float], values: Array) -> None:
     """Write components where they have an index."""
-    for place, value in zip(places, values, strict=True):
-        if isinstance(place, int):
-            target[place] = value
+    for index, value in zip(places, values, strict=True):
+        if isinstance(index, int):
+            target[index] = value
 
 
-def _of_points(
+def _point_tables(
     bodies: Sequence[BodyPlaces], q: Array, v: Array, v_dot: Array | None
 ) -> dict[str, Array]:
     """Tables of points, in SI units."""
-    found = {
+    tables = {
         "position": _taken([body.r for body in bodies], q),
         "velocity": _taken([body.v for body in bodies], v),
     }
     if v_dot is not None:
-        found["acceleration"] = _rates([body.v for body in bodies], v_dot)
-    return found
+        tables["acceleration"] = _rates([body.v for body in bodies], v_dot)
+    return tables
 
 
-def _of_rigid(
+def _rigid_tables(
     bodies: Sequence[BodyPlaces], q: Array, v: Array, v_dot: Array | None
 ) -> dict[str, Array]:
     """Tables of bodies that turn, in SI units."""
-    found = _of_points(bodies, q, v, v_dot)
+    tables = _point_tables(bodies, q, v, v_dot)
     p = _taken([body.p for body in bodies], q)
     omega = _taken([body.omega_b for body in bodies], v)
     arm, axes = (
@@ -239,29 +239,29 @@ def _of_rigid(
     )
     back = axes * BACK[:, np.newaxis, np.newaxis]
     turn = crossed(omega, arm)
-    found["position"] += rotated(p, arm)
-    found["velocity"] += rotated(p, turn)
-    found["orientation"] = composed(p, axes)
-    found["angular_velocity"] = rotated(back, omega)
+    tables["position"] += rotated(p, arm)
+    tables["velocity"] += rotated(p, turn)
+    tables["orientation"] = composed(p, axes)
+    tables["angular_velocity"] = rotated(back, omega)
     if v_dot is not None:
         alpha = _rates([body.omega_b for body in bodies], v_dot)
-        found["acceleration"] += rotated(p, crossed(alpha, arm) + crossed(omega, turn))
-        found["angular_acceleration"] = rotated(back, alpha)
-    return found
+        tables["acceleration"] += rotated(p, crossed(alpha, arm) + crossed(omega, turn))
+        tables["angular_acceleration"] = rotated(back, alpha)
+    return tables
 
 
 def _taken(places: Sequence[Sequence[int | float]], columns: Array) -> Array:
     """Elements of columns at places, (components, bodies, rows); numbers stand for themselves."""
-    flat = [place for components in zip(*places, strict=True) for place in components]
-    found = np.empty((len(flat), columns.shape[1]))
-    moving = [k for k, place in enumerate(flat) if isinstance(place, int)]
-    found[moving] = columns[[int(flat[k]) for k in moving]]
-    for k, place in enumerate(flat):
-        if not isinstance(place, int):
-            found[k] = place
-    return found.reshape(-1, len(places), columns.shape[1])
+    flat = [index for components in zip(*places, strict=True) for index in components]
+    elements = np.empty((len(flat), columns.shape[1]))
+    moving = [k for k, index in enumerate(flat) if isinstance(index, int)]
+    elements[moving] = columns[[int(flat[k]) for k in moving]]
+    for k, index in enumerate(flat):
+        if not isinstance(index, int):
+            elements[k] = index
+    return elements.reshape(-1, len(places), columns.shape[1])
 
 
 def _rates(places: Sequence[Sequence[int | float]], columns: Array) -> Array:
-    """Time derivatives; what does not change has none."""
-    return _taken([[k if isinstance(k, int) else 0.0 for k in own] for own in places], columns)
+    """Time derivatives at places; those of constants are zero."""
+    return _taken([[k if isinstance(k, int) else 0.0 for k in row] for row in places], columns)

@@ -24,22 +24,23 @@ if TYPE_CHECKING:
     from .scene_tables import Work
     from .state import State
 
-#: What rows may be off a smooth way, in lengths and radians. A gap between branches of as much as
-#: that, times the distance at which it is looked for, is none: about 1e-14, which is rounding.
+#: Largest correction of places of a smooth way onto the rows, in lengths and radians. A gap between
+#: branches is none where it, times the distance at which it is looked for, is below the second:
+#: that is rounding.
 OFF_WAY = 1e-9
 NO_GAP = 1e-14
-#: How far beside the place where branches meet that is seen, in a step; how much nearer each time,
-#: and in lengths and radians at last; how often.
+#: Distance from the place where branches meet at which gaps are looked for first, in a step; its
+#: factor from time to time, the last one, in lengths and radians, and how often it is tried.
 FIRST_DISTANCE = 0.03
 DISTANCE_FACTOR = 0.1
 NEAREST_DISTANCE = 1e-5
 MOST_APPROACHES = 12
-#: What rows may be off, of the distance from such a place, where that is not in a step; and how
-#: many times larger one root at the ends may be than the other: drivers that turn back hide one.
+#: Largest correction, relative to the distance from such a place, where that is not in a step; and
+#: largest ratio of the roots at its ends: drivers that turn back hide one.
 FAR_ERROR_PART = 1e-2
 LARGEST_ROOT_RATIO = 2.0
-#: What is known of a step: it may end on another branch, it stays on its own, or goes straight on
-#: where another one meets it, or comes nearer than rounding tells.
+#: Verdicts on a step: it may end on another branch, it stays on its own, or goes straight on where
+#: another one meets it, or comes nearer than rounding tells.
 LEAPS, STAYS, MEETS = 0, 1, 2
 
 
@@ -82,7 +83,7 @@ def bend_way(
 
     Returns
     -------
-    off : float [-]
+    correction : float [-]
         How far off it was, in lengths of the scene and radians, negative where it cannot be
         brought.
     ratio : float [-]
@@ -95,9 +96,9 @@ def bend_way(
     correct_position(work)
     state.factorisations += 1
     state.corrections += 1
-    off = w.size_of(w.dq)
-    if off <= OFF_WAY:
-        return off, ratio
+    correction = w.size_of(w.dq)
+    if correction <= OFF_WAY:
+        return correction, ratio
     w.displace(None)
     if len(c) == WAY or not project_position(OFF_WAY * OFF_WAY, work, None, state) >= 0.0:
         return -1.0, 0.0
@@ -107,7 +108,7 @@ def bend_way(
         product *= part - node
     c.append((w.q - q) / product)
     x.append(part)
-    return off, ratio
+    return correction, ratio
 
 
 def follow_branch(
@@ -119,55 +120,55 @@ def follow_branch(
     """
     forget_trials(work)
     x, c = begin_way(h, state.y, state.f, y, f, work.scene.nq)
-    way = work.w.way_of(h, state.y, y)
+    travel = work.w.way_of(h, state.y, y)
     before = math.sqrt(abs(state.position_ratio))
     low, high = smaller(before, slope - before), larger(before, slope - before)
     is_even = high <= LARGEST_ROOT_RATIO * low or not work.scene.is_driven
-    beside = FIRST_DISTANCE
+    distance = FIRST_DISTANCE
     farthest, nearest = 0.0, math.inf
     for _ in range(MOST_APPROACHES):
         roots, worst = [], 0.0
-        for side in (-beside, beside):
-            there = part + side
-            off, ratio = bend_way(x, c, state.time + there * h, there, work, state)
-            if not off >= 0.0:
+        for side in (-distance, distance):
+            node = part + side
+            correction, ratio = bend_way(x, c, state.time + node * h, node, work, state)
+            if not correction >= 0.0:
                 return LEAPS
             takes_over = work.all is not None and work.all.is_on
             if takes_over and ratio > FALL_BACK * state.largest_pivot_ratio:
                 return STAYS  # rows that were left out hold it
             roots.append(math.sqrt(ratio))
-            worst = larger(worst, off)
-            farthest = larger(farthest, off)
+            worst = larger(worst, correction)
+            farthest = larger(farthest, correction)
             nearest = smaller(nearest, roots[-1])
         total, change = roots[0] + roots[1], roots[1] - roots[0]
-        usual = 2.0 * beside * slope
-        is_between = total > 0.0 and abs(total - usual) <= abs(abs(change) - usual)
-        above, below = (change, total) if is_between else (total, change)
-        part -= float(np.divide(beside * above, below))
+        expected = 2.0 * distance * slope
+        is_between = total > 0.0 and abs(total - expected) <= abs(abs(change) - expected)
+        numerator, denominator = (change, total) if is_between else (total, change)
+        part -= float(np.divide(distance * numerator, denominator))
         is_inside = 0.0 < part < 1.0
         if not is_between and is_inside:
             continue  # the place is farther away
-        is_on = worst <= larger(OFF_WAY, NO_GAP / (beside * way))
+        is_on = worst <= larger(OFF_WAY, NO_GAP / (distance * travel))
         if is_on and not is_between:
             return STAYS if is_even and farthest <= FAR_ERROR_PART * nearest else LEAPS
         # momentum leads free bodies across gaps that numbers of a scene are rounded to
-        if is_on and (not work.scene.is_driven or beside * way <= NEAREST_DISTANCE):
+        if is_on and (not work.scene.is_driven or distance * travel <= NEAREST_DISTANCE):
             return MEETS
         if is_between:
-            slope = total / (2.0 * beside)
+            slope = total / (2.0 * distance)
         if not is_inside:
             part = 1.0 if part > 0.5 else 0.0
-        beside *= DISTANCE_FACTOR
+        distance *= DISTANCE_FACTOR
     return LEAPS
 
 
-def note_branch(time: float, found: int, state: State) -> None:
-    """Note what is known of a step to a time [s]: that it may have leapt, or that branches meet."""
-    if found == LEAPS:
+def note_branch(time: float, verdict: int, state: State) -> None:
+    """Note the verdict on a step to a time [s]: that it may have leapt, or that branches meet."""
+    if verdict == LEAPS:
         if state.branch_points == 0.0:
             state.branch_point_time = time
         state.branch_points += 1
-    elif found == MEETS:
+    elif verdict == MEETS:
         if state.meetings == 0.0:
             state.meeting_time = time
         state.meetings += 1

@@ -1,4 +1,4 @@
-"""Continuation of parameters: a start that the scene gives becomes that with those of a run."""
+"""Continuation of parameters: from the start of the scene to that with the parameters of a run."""
 
 from __future__ import annotations
 
@@ -76,60 +76,60 @@ def follow_design(y: Array, w: Workspace) -> None:
     y (ny,) becomes y + y₀′ − y₀ where the start y₀ becomes y₀′, in SI units; Euler parameters p of
     a body whose principal axes become others become p ∘ p₀* ∘ p₀′.
     """
-    place, at = w.scene.starts.T
+    slots, sources = w.scene.starts.T
     before, after = np.zeros((2, len(y)))
-    before[place] = w.design[at]
+    before[slots] = w.design[sources]
     w.run("setup")
-    after[place] = w.design[at]
+    after[slots] = w.design[sources]
     for first, _, count in w.scene.turns.tolist():
-        one = slice(first, first + count)
-        if axes_jump(before[one], after[one]):
-            back = before[one] * np.where(np.arange(count) > 0, -1.0, 1.0)
-            y[one] = turned_by(turned_by(y[one], back), after[one])
-            place = place[(place < first) | (place >= first + count)]
-    y[place] -= before[place]
-    y[place] += after[place]
+        turn = slice(first, first + count)
+        if axes_jump(before[turn], after[turn]):
+            back = before[turn] * np.where(np.arange(count) > 0, -1.0, 1.0)
+            y[turn] = turned_by(turned_by(y[turn], back), after[turn])
+            slots = slots[(slots < first) | (slots >= first + count)]
+    y[slots] -= before[slots]
+    y[slots] += after[slots]
 
 
-def set_parameters(given: Array, part: float, w: Workspace) -> None:
-    """Turn the parameters p of the scene into those that are given (n,) by a part [-] of the way.
+def set_parameters(target: Array, part: float, w: Workspace) -> None:
+    """Set parameters at a part [-] of the way from those of the scene, p, to the target (n,).
 
-    p + part · (given − p), each in its unit.
+    p + part · (target − p), each in its unit.
     """
     values = w.scene.parameters
-    w.parameters[:] = values + part * (given - values) if part < 1.0 else given
+    w.parameters[:] = values + part * (target - values) if part < 1.0 else target
 
 
 def continue_parameters(state: State, work: Work) -> bool:
     """Bring positions to where bodies fit and drivers begin with the parameters of the run.
 
-    That may be far from where it is with those of the scene, so these become the others by small
+    That may be far from where bodies are with those of the scene, so these are changed by small
     steps. Velocities stay as they are given, however many steps it takes: they are projected once,
     at the end of the way. Returns whether the parameters can be reached.
     """
-    w, y, t, given = work.w, work.k[0], state.time, state.parameters
+    w, y, t, target = work.w, work.k[0], state.time, state.parameters
     v = state.y[work.scene.nq :].copy()
     y[:] = state.y
     if 0.0 <= project(t, 0.0, y, None, None, work, state) <= LARGEST_CORRECTION:
         return True
-    set_parameters(given, 0.0, w)
+    set_parameters(target, 0.0, w)
     follow_design(state.y, w)
     if project(t, 0.0, state.y, None, None, work, state) < 0.0:
         return False
-    reached, part = 0.0, 1.0
+    reached, step = 0.0, 1.0
     while reached < 1.0:
-        following = smaller(reached + part, 1.0)
+        following = smaller(reached + step, 1.0)
         y[:] = state.y
-        set_parameters(given, reached, w)
+        set_parameters(target, reached, w)
         w.run("setup")
-        set_parameters(given, following, w)
+        set_parameters(target, following, w)
         follow_design(y, w)
         if 0.0 <= project(t, 0.0, y, None, None, work, state) <= LARGEST_CORRECTION:
             state.y[:] = y
-            reached, part = following, 2.0 * part
+            reached, step = following, 2.0 * step
         else:
-            part = 0.5 * part
-            if part < SHORTEST_PARAMETER_STEP:
+            step = 0.5 * step
+            if step < SHORTEST_PARAMETER_STEP:
                 return False
     state.y[work.scene.nq :] = v
     return True
@@ -141,17 +141,17 @@ def step_along(u: Array, y: Array, work: Work, state: State) -> bool:
     They go a quarter of u (nv,) [m, rad], which is one length of the scene or one radian large, or
     less. y (ny,) has q, then v, in SI units.
     """
-    w, nq, there, way = work.w, work.scene.nq, work.y, STEP_ASIDE
+    w, nq, moved, part = work.w, work.scene.nq, work.y, STEP_ASIDE
     for _ in range(MOST_HALVINGS):
         w.place(state.time, y)
-        w.dq[:] = way * u
+        w.dq[:] = part * u
         w.displace(None)
-        there[:nq] = w.q
-        there[nq:] = y[nq:]
-        if 0.0 <= project(state.time, 0.0, there, None, None, work, state) <= LARGEST_CORRECTION:
-            y[:] = there
+        moved[:nq] = w.q
+        moved[nq:] = y[nq:]
+        if 0.0 <= project(state.time, 0.0, moved, None, None, work, state) <= LARGEST_CORRECTION:
+            y[:] = moved
             return True
-        way *= 0.5
+        part *= 0.5
     return False
 
 

@@ -27,12 +27,16 @@
 /* how much the variation of a part may, as its bounds tell, of what samples show: a hill between
  * them goes up and down, and has twice of it */
 #define SHOWN 1.5
+/* where rates change by more than this part of that, parts vary between few samples */
+#define SMOOTH 0.25
 /* what always may be left, by the size of a part; of a force also what moves the lightest body by
  * this part of the tolerance, of LENGTH */
 #define NEGLIGIBLE_VARIATION 1e-12
 #define NEGLIGIBLE_MOTION 1e-3
 /* a part that changes by less than this part of it in an interval needs no samples */
 #define STEADY 0.5
+/* bounds are loose everywhere where none of the cells has more than this part of it */
+#define UNEVEN 0.5
 /* the shortest interval in which a part is looked at, in a step: what is narrower has no bounds */
 #define FINEST 1e-9
 /* the part of a step by which an event may be off where the step was cut, to be found again */
@@ -129,6 +133,8 @@ typedef struct {
     int is_short[ROOM(N_FUNCTIONS)];
     /* whether samples leave open how narrow parts vary somewhere in it */
     int is_unresolved;
+    /* whether a narrow part varies in it between few samples */
+    int is_coarse;
     /* whether an error tells how much of it is missed */
     int has_error;
     /* whether it is kept if nothing cuts it */
@@ -916,46 +922,85 @@ static double negligible_variation(
         NEGLIGIBLE_MOTION * tolerance * (scale[0] / ((end - start) * span)));
 }
 
-/* whether samples between two times tell how parts vary: their rates change as little, or bounds
- * leave them nearly what they are, or, where formulas switch and an error tells of what they
- * change by, no more than samples show, as of a root at whose end no rate is bounded */
-static int are_narrow_resolved(
-    double start, double end, const Search *search, const State *s, Work *work)
+/* how a part varies between two times, as samples and bounds of the cells between them tell */
+typedef struct {
+    double last, least, most;   /* the last sample, the least and largest */
+    double low, high;           /* bounds of all cells */
+    double reach, change;       /* sums of what bounds let it vary by, and of what rates may */
+    double hidden, most_hidden; /* by how much bounds of cells exceed samples: sum, and largest */
+} Variation;
+
+/* how well samples tell how parts vary */
+enum { UNRESOLVED, COARSE, RESOLVED };
+
+static void begin_variation(double sample, Variation *v)
 {
-    double least[ROOM(N_NARROW)], most[ROOM(N_NARROW)], low[ROOM(N_NARROW)], high[ROOM(N_NARROW)];
-    double change[ROOM(N_NARROW)], reach[ROOM(N_NARROW)], band[ROOM(N_NARROW)];
+    *v = (Variation){
+        .last = sample, .least = sample, .most = sample, .low = sample, .high = sample
+    };
+}
+
+/* adds a cell of length h: the sample at its end, and bounds of values and rates in it */
+static void add_cell(double h, double sample, const double *bounds, Variation *v)
+{
+    const double width = bounds[1] - bounds[0], hidden = width - fabs(sample - v->last);
+    v->least = smaller(sample, v->least);
+    v->most = larger(sample, v->most);
+    v->low = smaller(bounds[0], v->low);
+    v->high = larger(bounds[1], v->high);
+    v->reach += width;
+    v->change += h * (bounds[3] - bounds[2]);
+    v->hidden += hidden;
+    v->most_hidden = larger(hidden, v->most_hidden);
+    v->last = sample;
+}
+
+/* how well samples tell how a part varies, but for what counts as nothing: its rate changes by as
+ * little as they do, or bounds leave it nearly what it is and are no looser in one cell than in all
+ * others, as where a hill hides, or, where formulas switch and an error tells of what they change
+ * by, it varies by no more than they show, as a root at whose end no rate is bounded */
+static int sampling_of(const Variation *v, double size, int has_error, double nothing)
+{
+    const double range = v->most - v->least;
+    const int is_even = v->most_hidden <= UNEVEN * v->hidden + nothing;
+    const int is_steady = is_even && v->high - v->low <= STEADY * size + nothing;
+    const int is_shown = has_error && v->reach <= SHOWN * range + nothing;
+    if (!(is_steady || is_shown || v->change <= EXPLAINED * range + nothing)) return UNRESOLVED;
+    return is_steady || v->change <= SMOOTH * range + nothing ? RESOLVED : COARSE;
+}
+
+/* whether samples between two times tell how parts vary with the state; whether they are few for
+ * that is noted */
+static int are_narrow_resolved(double start, double end, Search *search, const State *s, Work *work)
+{
+    Variation variations[ROOM(N_NARROW)];
+    double band[ROOM(N_NARROW)];
     const double h = (end - start) / CELLS;
+    int is_coarse = 0;
     TimeNode a, b;
     node_at(start, search, s, work, &a);
     for (size_t k = 0; k != N_NARROW; ++k) {
-        least[k] = most[k] = low[k] = high[k] = middle(&a, N_CROSSINGS + k);
+        begin_variation(middle(&a, N_CROSSINGS + k), &variations[k]);
         band[k] = half_width(&a, N_CROSSINGS + k);
-        change[k] = reach[k] = 0.0;
     }
     for (int cell = 1; cell <= CELLS; ++cell) {
         node_at(start + cell * h, search, s, work, &b);
         bound_functions(&a, &b, search, work->w);
         for (size_t k = 0; k != N_NARROW; ++k) {
-            const double *bounds = work->w + W_NARROW + 4 * k;
-            const double there = middle(&b, N_CROSSINGS + k);
-            least[k] = smaller(there, least[k]);
-            most[k] = larger(there, most[k]);
-            low[k] = smaller(bounds[0], low[k]);
-            high[k] = larger(bounds[1], high[k]);
+            add_cell(h, middle(&b, N_CROSSINGS + k), work->w + W_NARROW + 4 * k, &variations[k]);
             band[k] = larger(half_width(&b, N_CROSSINGS + k), band[k]);
-            change[k] += h * (bounds[3] - bounds[2]);
-            reach[k] += bounds[1] - bounds[0];
         }
         a = b;
     }
     for (size_t k = 0; k != N_NARROW; ++k) {
-        const double range = most[k] - least[k], largest = larger(-least[k], most[k]);
-        const double nothing = band[k] + negligible_variation(largest, narrow_scales[k],
-                                             search->tolerance, start, end);
-        const int is_shown = search->has_error && reach[k] <= SHOWN * range + nothing;
-        const int is_explained = is_shown || change[k] <= EXPLAINED * range + nothing;
-        if (!is_explained && !(high[k] - low[k] <= STEADY * largest + nothing)) return 0;
+        const double size = larger(-variations[k].least, variations[k].most);
+        const double nothing = band[k] + negligible_variation(
+                                             size, narrow_scales[k], search->tolerance, start, end);
+        const int sampling = sampling_of(&variations[k], size, search->has_error, nothing);
+        if (sampling == UNRESOLVED) return 0;
+        is_coarse = is_coarse || sampling == COARSE;
     }
+    search->is_coarse = search->is_coarse || is_coarse;
     return 1;
 }
 

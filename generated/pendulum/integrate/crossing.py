@@ -1,12 +1,12 @@
 """Crossing: steps end where events are and where formulas of the state have a kink or a jump.
 
 This is event location: a step that was tried is searched before it is kept. Its polynomial, the
-dense output, tells at some times what formulas read: coordinates, lengths of springs, their rates.
-That bounds them between these times, and they bound the functions and their rates, as of switching
-functions of time. What is nearer to zero than the error of a step may be counts as zero: a function
-crosses when it is beyond on the other side. Where bounds tell that one crosses once its time is
-bisected. Then the step is made again, to end there. Parts of formulas that vary with the state
-beyond polynomials are bounded likewise: where samples do not tell how, the step is made shorter.
+dense output, gives at some times what formulas read: coordinates, lengths of springs, their rates.
+Bounds of these between the times bound the functions and their rates, as of switching functions of
+time. Values that are nearer to zero than the error of a step count as zero: a function crosses when
+it is beyond on the other side. Where bounds show that one crosses once, its time is bisected. Then
+the step is made again, to end there. Parts of formulas that vary with the state beyond polynomials
+are bounded likewise: where samples do not show how, the step is made shorter.
 """
 
 from __future__ import annotations
@@ -43,55 +43,61 @@ ONWARD = 8.0
 #: In how many parts a step is searched, and how many nodes there are at most.
 CELLS = 4
 MOST_NODES = 512
-#: Second derivatives may be so much further from those of a cubic polynomial as it is from a
-#: parabola.
+#: Second derivatives are taken to be within so many times their rise in a cubic polynomial, above
+#: and below their mean.
 DOUBT = 2.0
-#: How much bounds may exceed what samples tell.
+#: Factor by which bounds may exceed the variation of samples.
 EXPLAINED = 2.0
-#: How much the variation of a part may, as its bounds tell, of what samples show: a hill between
-#: them goes up and down, and has twice of it.
+#: Factor by which bounds of the variation of a part may exceed that of samples: a hill between them
+#: goes up and down, and has twice of it.
 SHOWN = 1.5
-#: What always may be left, by the size of a part; of a force also what moves the lightest body by
-#: this part of the tolerance, of the length of the scene.
+#: Where rates change by more than this part of that, parts vary between few samples.
+SMOOTH = 0.25
+#: Negligible variation, relative to the size of a part; of a force also what moves the lightest
+#: body by this part of the tolerance, of the length of the scene.
 NEGLIGIBLE_VARIATION = 1e-12
 NEGLIGIBLE_MOTION = 1e-3
-#: A part that changes by less than this part of it in an interval needs no samples.
+#: A part whose relative change in an interval is smaller needs no samples.
 STEADY = 0.5
+#: Bounds are loose everywhere where none of the cells has more than this part of it.
+UNEVEN = 0.5
+#: How well samples tell how parts vary.
+UNRESOLVED, COARSE, RESOLVED = 0, 1, 2
 #: The shortest interval in which a part is looked at, in a step: what is narrower has no bounds.
 FINEST = 1e-9
-#: The part of a step by which an event may be off where the step was cut, to be found again.
+#: The part of a step by which an event may be off the cut, to be located again.
 SMALL = 1e-3
-#: A function that passes zero is so much larger this much further away from it; where it jumps it
-#: is not, nor where it is infinite. It is looked at from so many roundings of time on.
+#: At a distance larger by the first factor a function that passes zero is larger by the second; one
+#: that jumps there, or is infinite, is not. Distances begin at so many roundings of time.
 FURTHER = 8.0
 LARGER_THERE = 1.5
 ROUNDINGS = 64.0
-#: A step in which what was near to zero gets on a side within this part of it ends there.
+#: A step in which a function that was near to zero takes a side within this part of it ends there.
 SOON = 0.1
 #: The loosest tolerance to which places are known, and of steps from a switch to the next: forces
 #: that switch soon again are narrow, and estimates are blind to what acts for a stage or two. It is
 #: that of all steps behind kinks where no force jumps: friction that holds switches all the time.
 LOOSEST_AT_SWITCH = 1e-5
-#: What rates are known to of a length in the longest step so far, in units of the tolerance: in a
-#: short one rates of what does move are no better known, and no worse.
+#: Errors of rates, in units of the tolerance, are at least this part of a length in the longest
+#: step so far: in a short one rates of what does move are no better known, and no worse.
 SLOW = 1e-4
-#: Where it is infinite a part of a force is so much larger that much nearer to the place: 1/x is
-#: FURTHER times as large. From one distance to the next that factor changes by no more than this.
+#: Where it is infinite a part of a force grows by more than the first factor, FURTHER times nearer
+#: to the place, as 1/x by FURTHER; the next such factor differs by no more than the second.
 STEEP = 7.0
 EVENLY = 1.5
 #: A step that leads over such a place is made again, over this part of the way there; a run ends
 #: where the way is this part of its longest step.
 CLOSER = 0.9
 NO_WAY = 1e-6
-#: A function is near to zero where it is less than so many times what it is known to; what that is
-#: further away tells nothing of how near it comes between.
+#: A function is near to zero where it is less than so many times its noise; noise further away
+#: tells nothing of how near it comes in between.
 BANDS = 16.0
 #: An event that goes through a narrow window was on the other side this many times as long ago as
 #: it passed zero, and has been in the window this many times as long.
 EARLIER = 1.5
 HALF = 0.5
-#: What gets further than so many times what it is known to passes by, as fast as it is at a time:
-#: in the longest step, and before it comes to rest. So it is with rates, as fast as they change.
+#: A value passes by where at its speed it gets further than so many times its noise: in the longest
+#: step, and before it comes to rest. So do rates, as fast as they change.
 PASSING = 16.0
 #: A stage that counts tells of a contact where its accelerations would change speeds by more than
 #: this part in the step: for less errors tell enough.
@@ -109,12 +115,12 @@ def smallest(a: Array, b: Array) -> Array:
 
 
 def stays_positive(a: Array, b: Array, falls: Array, rises: Array, h: float) -> Flags:
-    """Whether what is a (n,) at the start of h [s] and b (n,) at its end is positive between (n,).
+    """Whether functions (n,) of values a and b at the ends of h [s] are positive in between.
 
-    It is no less than lines from both ends as steep as it falls and rises (n,) at most, per second.
+    None is less than lines from both ends as steep as it falls and rises (n,) at most, per second.
     """
-    found: Flags = a * rises - b * falls + falls * rises * h > 0.0
-    return found
+    are_positive: Flags = a * rises - b * falls + falls * rises * h > 0.0
+    return are_positive
 
 
 def note_unresolved(time: float, state: State) -> None:
@@ -162,12 +168,11 @@ class Search:
     slack : float [s]
         What crosses within it crosses together.
     noise, rounding : (n, 2) array
-        What values are known to, in the motion and in its polynomial: of each number that is read
-        and of its rate.
+        Errors of each number that is read and of its rate: in the motion, and in its polynomial.
     sizes : (n,) array
         Of the numbers that each is made of: rounding is of these, however small it is.
     second_mean, second_rise, second_bound : (n,) array
-        Second derivatives of what is read: in the mean, by how much more at the end, at most.
+        Second derivatives of what is read: their mean, rise above it at the end, and bound.
     rate_noise : (n,) array
         What rates are known to, for their change: to no more than they have been.
     crosses, was_crossing : array of bool
@@ -176,6 +181,8 @@ class Search:
         Of which events it starts short of zero, where an earlier step ended for them.
     is_unresolved : bool
         Whether samples leave open how narrow parts vary somewhere in it.
+    is_coarse : bool
+        Whether a narrow part varies in it between few samples.
     has_error : bool
         Whether an error tells how much of it is missed.
     is_kept : bool
@@ -214,6 +221,7 @@ class Search:
     was_crossing: Flags = field(init=False)
     is_short: Flags = field(init=False)
     is_unresolved: bool = False
+    is_coarse: bool = False
     has_error: bool = False
     is_kept: bool = True
     undefined: int = 0
@@ -245,8 +253,8 @@ def read_of(time: float, y: Array, w: Workspace) -> Array:
     """Values and rates (n, 2) that formulas read of y (ny,) at a time [s]; rates per second."""
     w.place(time, y)
     w.run("measure")
-    found: Array = w.measures.reshape(-1, 2).copy()
-    return found
+    measures: Array = w.measures.reshape(-1, 2).copy()
+    return measures
 
 
 def read_at(time: float, search: Search) -> Array:
@@ -258,9 +266,9 @@ def read_at(time: float, search: Search) -> Array:
 def node_at(time: float, search: Search) -> TimeNode:
     """Node at a time of the motion.
 
-    Of what passes by there its polynomial tells where it is, however far off that may be, and of a
-    rate that does what it is, so that nothing that is narrower is passed over. Where a force may be
-    infinite places are known to the noise.
+    Values and rates that pass by there are those of its polynomial, however far off that may be, so
+    that nothing that is narrower is passed over; others are known to the noise, as all are where a
+    force may be infinite.
     """
     read, n, n_poles = read_at(time, search), len(search.state.sides), search.work.scene.n_poles
     if n_poles:
@@ -279,21 +287,21 @@ def noise_at(time: float, read: Array, search: Search) -> Array:
 
 
 def passes_by(speeds: Array, accelerations: Array, search: Search) -> Flags:
-    """Whether what is as fast, and accelerates at most so much, gets beyond what it is known to.
+    """Whether values of such speeds and bounds of accelerations get far beyond their noise.
 
     Of values and of rates (n, 2), per second and per second squared.
     """
     far = PASSING * np.column_stack((search.noise[:, 0], search.rate_noise))
-    found: Flags = speeds * larger(search.state.stride, search.h) > far
-    return found & (speeds * speeds > far * accelerations)
+    is_far: Flags = speeds * larger(search.state.stride, search.h) > far
+    return is_far & (speeds * speeds > far * accelerations)
 
 
 def second_at(time: float, search: Search) -> Array:
-    """Sizes (n,) of second derivatives at a time [s], but for what rounding makes of them."""
+    """Sizes (n,) of second derivatives at a time [s], less what rounding makes of them."""
     part, h = (time - search.start) / search.h, search.h
     change = np.abs(search.second_mean + (2.0 * part - 1.0) * search.second_rise)
-    found: Array = change - 2.0 * search.rounding[:, 1] / h
-    return found
+    sizes: Array = change - 2.0 * search.rounding[:, 1] / h
+    return sizes
 
 
 def node_with_noise(noise: Array, time: float, search: Search) -> TimeNode:
@@ -302,10 +310,10 @@ def node_with_noise(noise: Array, time: float, search: Search) -> TimeNode:
 
 
 def evaluate_node(read: Array, noise: Array, time: float, w: Workspace) -> TimeNode:
-    """Node at a time [s] where formulas read this (n, 2), known to a noise (n, 2)."""
-    own = w.ranges[2:].reshape(-1, 6)
+    """Node at a time [s] where formulas read values and rates (n, 2), known to a noise (n, 2)."""
+    ranges = w.ranges[2:].reshape(-1, 6)
     w.ranges[:2] = time
-    own[:, [0, 2]], own[:, [1, 3]], own[:, 4:] = read - noise, read + noise, 0.0
+    ranges[:, [0, 2]], ranges[:, [1, 3]], ranges[:, 4:] = read - noise, read + noise, 0.0
     w.run("crossing")
     least, most = w.functions.reshape(-1, 4).T[:2].copy()
     return TimeNode(time, read, least, most)
@@ -315,9 +323,9 @@ def stage_beyond(first: int, seen: float, search: Search) -> float:
     """Time [s] of a stage, from a first one on, beyond a switch that its polynomial does not meet.
 
     So it is in a contact that the step leads over: what acts there has thrown the polynomial off,
-    and it tells nothing. If none is, that is until when it was seen. Of those that count at the end
-    of the step, whose error is told, these do that change speeds; at a jump none, which throws back
-    what passes it a little.
+    and it tells nothing. If none is, it is the time up to which the step is seen. Of stages that
+    count at the end of the step, whose error is told, only those that change speeds are looked at,
+    and not at jumps, which throw back what passes them a little.
     """
     m, state, work, scene = search.m, search.state, search.work, search.work.scene
     size_of, n_switching = work.w.size_of, len(state.sides) - scene.n_poles
@@ -331,9 +339,9 @@ def stage_beyond(first: int, seen: float, search: Search) -> float:
         combine(k, m.a[k], state.y, search.h, work.k, work.scratch)
         node = evaluate_node(read_of(time, work.scratch, work.w), search.noise, time, work.w)
         last = n_switching if k > m.stages else n_switching - scene.n_breaks
-        own = slice(len(scene.events), last)
-        sides = state.sides[own]
-        if np.any((sides != 0.0) & (side_at(node)[own] == -sides)):
+        switching = slice(len(scene.events), last)
+        sides = state.sides[switching]
+        if np.any((sides != 0.0) & (side_at(node)[switching] == -sides)):
             return time
     return seen
 
@@ -370,37 +378,37 @@ def begin_search(
     search.rounding[:, 0] = SMALLEST * (search.sizes + most[:, 0])
     search.rounding[:, 1] = SMALLEST * fast
     search.noise = np.empty_like(most)
-    known = smaller(s.tolerance, LOOSEST_AT_SWITCH) * sizes + SMALLEST * most[:, 0]
-    search.noise[:, 0] = largest(known, search.rounding[:, 0])
+    place_noise = smaller(s.tolerance, LOOSEST_AT_SWITCH) * sizes + SMALLEST * most[:, 0]
+    search.noise[:, 0] = largest(place_noise, search.rounding[:, 0])
     search.noise[:, 1] = s.tolerance * fast
     search.rate_noise = smallest(search.noise[:, 1], most[:, 1] + sizes * state.fastest)
 
 
 def second_rise_of(sizes: Array, a: Array, b: Array, h: float) -> Array:
-    """By how much second derivatives (n,) at the end of h [s] are above their mean, as of cubics.
+    """Rise of second derivatives (n,) at the end of h [s] above their mean, in cubic polynomials.
 
-    Values and rates (n, 2) at both ends tell, but for rounding.
+    From values and rates (n, 2) at both ends, less rounding.
     """
     (x, v), (y, u) = a.T, b.T
     rounding = 6.0 * SMALLEST * (sizes + np.abs(x) + np.abs(y)) / h
-    off = 3.0 * (v + u) - 6.0 * (y - x) / h
-    found: Array = np.copysign(largest(np.zeros_like(off), np.abs(off) - rounding) / h, off)
-    return found
+    change = 3.0 * (v + u) - 6.0 * (y - x) / h
+    rise: Array = np.copysign(largest(np.zeros_like(change), np.abs(change) - rounding) / h, change)
+    return rise
 
 
 def bound_functions(a: TimeNode, b: TimeNode, search: Search) -> Array:
     """Least and most value, slowest and fastest rate (4, functions) between two nodes."""
     w, h = search.work.w, b.time - a.time
     (x, v), (y, u) = a.read.T, b.read.T
-    own = w.ranges[2:].reshape(-1, 6)
+    ranges = w.ranges[2:].reshape(-1, 6)
     w.ranges[:2] = a.time, b.time
     mean, rise = (
         (u - v) / h,
         np.abs(second_rise_of(search.sizes, a.read, b.read, h)),
     )
-    own[:, 4], own[:, 5] = mean - DOUBT * rise, mean + DOUBT * rise
-    reach_between(v, u, own[:, 4], own[:, 5], h, own[:, 2:4])
-    reach_between(x, y, own[:, 2], own[:, 3], h, own[:, :2])
+    ranges[:, 4], ranges[:, 5] = mean - DOUBT * rise, mean + DOUBT * rise
+    reach_between(v, u, ranges[:, 4], ranges[:, 5], h, ranges[:, 2:4])
+    reach_between(x, y, ranges[:, 2], ranges[:, 3], h, ranges[:, :2])
     w.run("crossing")
     return w.functions.reshape(-1, 4).T
 
@@ -412,28 +420,28 @@ def cut_at(end: float, search: Search) -> float:
 
 
 def reach_between(
-    a: Array, b: Array, slowest: Array, fastest: Array, h: float, found: Array
+    a: Array, b: Array, slowest: Array, fastest: Array, h: float, reach: Array
 ) -> None:
     """Write least and most (n, 2) between values a and b (n,) at the ends of h [s].
 
     The slope is bounded by the slowest and the fastest rate (n,), per second.
     """
     is_open = (slowest < 0.0) & (fastest > 0.0)
-    every, curve = fastest - slowest, slowest * fastest * h
+    spread, curve = fastest - slowest, slowest * fastest * h
     least, most = smallest(a, b), largest(a, b)
-    down = smallest(least, (fastest * a - slowest * b + curve) / every)
-    up = largest(most, (fastest * b - slowest * a - curve) / every)
-    found[:, 0], found[:, 1] = np.where(is_open, down, least), np.where(is_open, up, most)
+    down = smallest(least, (fastest * a - slowest * b + curve) / spread)
+    up = largest(most, (fastest * b - slowest * a - curve) / spread)
+    reach[:, 0], reach[:, 1] = np.where(is_open, down, least), np.where(is_open, up, most)
 
 
 def band_at(node: TimeNode, search: Search) -> Array:
-    """Band (functions,) of functions at a node: of an event that it starts short of no more."""
-    found = half_width(node)
+    """Half widths (functions,) at a node, by the noise of events that a step starts short of."""
+    band = half_width(node)
     if search.is_short.any():
         known = half_width(node_with_noise(search.noise, node.time, search))
         n = len(search.is_short)
-        found[:n] = np.where(search.is_short, known[:n], found[:n])
-    return found
+        band[:n] = np.where(search.is_short, known[:n], band[:n])
+    return band
 
 
 def is_isolated(sides: Array, a: TimeNode, b: TimeNode, bounds: Array, search: Search) -> Flags:
@@ -455,14 +463,14 @@ def is_isolated(sides: Array, a: TimeNode, b: TimeNode, bounds: Array, search: S
     stays = is_clear | np.where(sides == 0.0, high < within, is_positive)
     crosses = (sides != 0.0) & (side_at(b)[:n] == -sides)
     crosses &= ~is_still_short(sides, b.time, search)
-    found: Flags = np.where(crosses, rises <= 0.0, stays)
-    return found
+    are_isolated: Flags = np.where(crosses, rises <= 0.0, stays)
+    return are_isolated
 
 
 def has_value(node: TimeNode) -> Flags:
     """Whether each function (functions,) has a value at a node."""
-    found: Flags = ~(np.isnan(node.least) | np.isnan(node.most))
-    return found
+    have_values: Flags = ~(np.isnan(node.least) | np.isnan(node.most))
+    return have_values
 
 
 def first_without_value(state: State, work: Work) -> int:
@@ -490,8 +498,8 @@ def is_undefined(k: int, time: float, search: Search) -> bool:
 def domain_end(a: TimeNode, b: TimeNode, search: Search) -> float:
     """Last time [s] between two nodes at which all events have a value.
 
-    Those count that have none at the second node; the first that has none behind that time is
-    noted. It is infinite where there is none.
+    Events without a value at the second node count; the first that has none behind that time is
+    noted. Infinite where there is none.
     """
     end, exact = math.inf, np.zeros_like(search.noise)
     search.undefined = 0
@@ -513,7 +521,7 @@ def domain_end(a: TimeNode, b: TimeNode, search: Search) -> float:
 
 
 def noise_of(k: int, search: Search) -> Array:
-    """Noise (n, 2) to which values and rates are known where a function is looked for.
+    """Noise (n, 2) of values and rates with which the zero of a function is located.
 
     An event is where the polynomial is zero, and a force is infinite there.
     """
@@ -523,7 +531,7 @@ def noise_of(k: int, search: Search) -> Array:
 
 
 def time_of(k: int, a: TimeNode, b: TimeNode, search: Search) -> float:
-    """First time [s] between two nodes at which a function that crosses does.
+    """Time [s] between two nodes at which a crossing function first does so.
 
     Those of events are zero there, the others beyond it, so that what follows is all on the other
     side.
@@ -549,7 +557,7 @@ def time_of(k: int, a: TimeNode, b: TimeNode, search: Search) -> float:
 
 
 def first_time(a: TimeNode, b: TimeNode, search: Search) -> float:
-    """Time [s] at which the first function crosses; only those that do so there are left.
+    """Time [s] of the first crossing; only functions that cross there stay marked.
 
     What is behind the end of the run does not count, however near it is.
     """
@@ -579,7 +587,7 @@ def is_short_of(k: int, a: TimeNode, search: Search) -> bool:
 
 
 def first_departure(a: TimeNode, b: TimeNode, search: Search) -> float:
-    """First time [s] at which a function but for events is on a side that was near to zero.
+    """First time [s] at which a function that was near to zero, but no event, is on a side.
 
     Formulas at zero, where jumps are, tell nothing of what follows; those that are near to it on
     that side already do.
@@ -594,7 +602,7 @@ def first_departure(a: TimeNode, b: TimeNode, search: Search) -> float:
 
 
 def note_sides(a: TimeNode, search: Search) -> None:
-    """Note on which side functions are where a step starts: by the noise that was open.
+    """Note on which side functions are where a step starts, which the noise had left open.
 
     Rates are known to rounding where they pass by, places to the noise. Events, which are looked
     for until they are exact, and poles stay.
@@ -615,8 +623,8 @@ def is_still_short(sides: Array, time: float, search: Search) -> Flags:
     if not search.is_short.any():
         return search.is_short
     known = side_at(node_with_noise(search.noise, time, search))[: len(sides)]
-    found: Flags = search.is_short & (known != -sides)
-    return found
+    are_short: Flags = search.is_short & (known != -sides)
+    return are_short
 
 
 def are_crossed(sides: Array, b: TimeNode, search: Search) -> Flags:
@@ -626,7 +634,7 @@ def are_crossed(sides: Array, b: TimeNode, search: Search) -> Flags:
 
 
 def crossing_end(end: float, search: Search) -> float:
-    """Time [s] at which a step to an end must end: of the first crossing, or what was searched."""
+    """Time [s] at which a step must end: of its first crossing, or as far as it was searched."""
     sides = search.state.sides
     n, start = len(sides), search.start
     is_pole = np.arange(n) >= n - search.work.scene.n_poles
@@ -668,10 +676,10 @@ def crossing_end(end: float, search: Search) -> float:
             is_lost = ~has_value(b)[:n]  # it ends where that has no value
         bounds = bound_functions(a, b, search)
         is_known = bool((is_lost | is_isolated(now, a, b, bounds, search)).all())
-        left = larger(first_departure(a, b, search), start + ONWARD * tiny)
-        if left - start < SOON * (end - start):
+        departure = larger(first_departure(a, b, search), start + ONWARD * tiny)
+        if departure - start < SOON * (end - start):
             search.crosses[:] = False
-            return left
+            return departure
         if not is_known and b.time - a.time > tiny:
             width = 0.5 * (b.time - a.time)
             continue
@@ -689,7 +697,7 @@ def crossing_end(end: float, search: Search) -> float:
 
 
 def find_pole(passes: Flags, a: TimeNode, b: TimeNode, search: Search) -> None:
-    """Find the first pole of a force between two nodes, but behind nothing else that crosses there.
+    """Find the first pole of a force between two nodes, if nothing crosses before it.
 
     Functions (functions,) pass zero there, where forces may be infinite.
     """
@@ -705,20 +713,20 @@ def find_pole(passes: Flags, a: TimeNode, b: TimeNode, search: Search) -> None:
             search.pole = 1 + k - len(passes) + search.work.scene.n_poles
 
 
-def node_beside(way: float, time: float, read: Array, noise: Array, search: Search) -> TimeNode:
-    """Node that far [s] from a time [s] where formulas read this (n, 2), and go on evenly."""
-    there = read.copy()
-    there[:, 0] += way * read[:, 1]
-    there[:, 1] += way * search.second_mean
-    return evaluate_node(there, noise, time + way, search.work.w)
+def node_beside(offset: float, time: float, read: Array, noise: Array, search: Search) -> TimeNode:
+    """Node at an offset [s] from a time [s] where formulas read (n, 2) and go on evenly."""
+    beside = read.copy()
+    beside[:, 0] += offset * read[:, 1]
+    beside[:, 1] += offset * search.second_mean
+    return evaluate_node(beside, noise, time + offset, search.work.w)
 
 
-def sizes_beside(way: float, time: float, read: Array, search: Search) -> Array:
-    """Sizes of parts of forces that may be infinite, that far [s] from a time [s].
+def sizes_beside(offset: float, time: float, read: Array, search: Search) -> Array:
+    """Sizes of parts of forces that may be infinite, at an offset [s] from a time [s].
 
-    Formulas read this (n, 2) at the time.
+    Formulas read values and rates (n, 2) at the time.
     """
-    node = node_beside(way, time, read, np.zeros_like(read), search)
+    node = node_beside(offset, time, read, np.zeros_like(read), search)
     return np.abs(middle(node)[len(node.least) - len(search.work.w.infinite) // 4 :])
 
 
@@ -737,21 +745,21 @@ def is_infinite(k: int, side: float, time: float, search: Search) -> bool:
         if not far < search.state.stride:
             return True  # rounding hides that
     is_pole = np.zeros(len(search.work.w.infinite) // 4, dtype=bool)
-    for way in (-far, far):
-        near = sizes_beside(FURTHER * FURTHER * way, time, read, search)
-        there = sizes_beside(FURTHER * FURTHER * FURTHER * way, time, read, search)
-        away = sizes_beside(FURTHER * FURTHER * FURTHER * FURTHER * way, time, read, search)
+    for offset in (-far, far):
+        near = sizes_beside(FURTHER * FURTHER * offset, time, read, search)
+        there = sizes_beside(FURTHER * FURTHER * FURTHER * offset, time, read, search)
+        away = sizes_beside(FURTHER * FURTHER * FURTHER * FURTHER * offset, time, read, search)
         grows = (near > STEEP * there) & (there > STEEP * away)
-        both, square = near * away, there * there
-        grows &= (both <= EVENLY * square) & (square <= EVENLY * both)
+        product, square = near * away, there * there
+        grows &= (product <= EVENLY * square) & (square <= EVENLY * product)
         is_pole |= grows | np.isinf(near)
     return bool(is_pole.any())
 
 
 def end_before_pole(search: Search) -> float:
     """End [s] of a step before a pole that is found in it: its start if that is near."""
-    way = search.pole_time - search.start
-    return search.start + CLOSER * way if way > NO_WAY * search.state.stride else search.start
+    span = search.pole_time - search.start
+    return search.start + CLOSER * span if span > NO_WAY * search.state.stride else search.start
 
 
 def why_stopped(seen: float, search: Search) -> Status:
@@ -820,27 +828,27 @@ def passes_zero(k: int, side: float, end: float, search: Search) -> bool:
 
 def polished_cut(search: Search) -> float:
     """Time [s] of an event that a step was cut for, by the step that ends near it."""
-    most, cut = SMALL * search.h, search.cut
+    reach, cut = SMALL * search.h, search.cut
     sides = search.state.sides
-    every = np.flatnonzero(search.was_crossing[: len(search.work.scene.events)]).tolist()
-    found = next((k for k in every if passes_zero(k, -sides[k], cut, search)), None)
-    if found is None:
+    candidates = np.flatnonzero(search.was_crossing[: len(search.work.scene.events)]).tolist()
+    event = next((k for k in candidates if passes_zero(k, -sides[k], cut, search)), None)
+    if event is None:
         return cut
 
     def value(time: float) -> float:
-        return float(middle(node_with_noise(noise_of(found, search), time, search))[found])
+        return float(middle(node_with_noise(noise_of(event, search), time, search))[event])
 
-    before, there = cut - most, cut
-    a, b = value(before), value(there)
+    previous, current = cut - reach, cut
+    a, b = value(previous), value(current)
     for _ in range(4):
         if a == b:
             break
-        time = there - b / ((b - a) / (there - before))
-        if not abs(time - cut) <= most or time == there:
+        time = current - b / ((b - a) / (current - previous))
+        if not abs(time - cut) <= reach or time == current:
             break
-        a, before, there = b, there, time
-        b = value(there)
-    return there
+        a, previous, current = b, current, time
+        b = value(current)
+    return current
 
 
 def is_thrown_back(k: int, end: float, search: Search) -> bool:
@@ -851,24 +859,24 @@ def is_thrown_back(k: int, end: float, search: Search) -> bool:
     it passed zero it was on the side that it leaves, before and soon it is on the other one. Where
     it was held once that is not asked again.
     """
-    state, way, read = search.state, end - search.state.crossed[k], read_at(end, search)
+    state, elapsed, read = search.state, end - search.state.crossed[k], read_at(end, search)
     speeds, known = np.column_stack((read[:, 1], search.second_mean)), search.noise[:, 0]
-    is_there = len(read) > 0 and way <= NO_WAY * state.stride
+    is_there = len(read) > 0 and elapsed <= NO_WAY * state.stride
     if is_there:
-        most = np.column_stack((known, known * state.fastest))
-        is_there = bool((np.abs(speeds) * way <= most).all())
+        bounds = np.column_stack((known, known * state.fastest))
+        is_there = bool((np.abs(speeds) * elapsed <= bounds).all())
     if not is_there:
         state.held[k] = 0.0
     elif state.held[k] == 0.0:
-        beside = (-EARLIER * way, -HALF * way, HALF * way)
-        nodes = (node_beside(part, end, read, search.rounding, search) for part in beside)
+        offsets = (-EARLIER * elapsed, -HALF * elapsed, HALF * elapsed)
+        nodes = (node_beside(offset, end, read, search.rounding, search) for offset in offsets)
         before, between, behind = (side_at(node)[k] * state.sides[k] for node in nodes)
         state.held[k] = float(not (before < 0.0 and between > 0.0 and behind < 0.0))
     return bool(state.held[k] > 0.0)
 
 
 def note_crossings(end: float, search: Search) -> None:
-    """Note what a step that is kept has crossed: one that was cut, also what is zero there."""
+    """Note crossings of a step that is kept; of one that was cut, also zeros at its end."""
     state, events = search.state, search.work.scene.events
     sides, now = state.sides.copy(), side_at(node_at(end, search))
     is_near = (now == 0.0) | (side_at(node_with_noise(search.noise, end, search)) == 0.0)
@@ -892,7 +900,7 @@ def note_crossings(end: float, search: Search) -> None:
 def negligible_variation(
     size: Array, scales: Array, tolerance: float, start: float, end: float
 ) -> Array:
-    """What parts (n,) of some size may vary by between two times [s], in units of their formulas.
+    """Negligible variations (n,) of parts between two times [s], in units of their formulas.
 
     A force that acts as long moves a body on meanwhile, and then in as much time as has passed
     since 0.
@@ -911,40 +919,83 @@ def negligible_variation(
     span = larger(abs(start), abs(end))
     always = NEGLIGIBLE_VARIATION * largest(size, scales[:, 0])
     forces = NEGLIGIBLE_MOTION * tolerance * (scales[:, 0] / ((end - start) * span))
-    found = largest(NEGLIGIBLE_VARIATION * size, forces)
-    return np.asarray(np.where(scales[:, 1] == 0.0, always, found))
+    negligible = largest(NEGLIGIBLE_VARIATION * size, forces)
+    return np.asarray(np.where(scales[:, 1] == 0.0, always, negligible))
+
+
+class Variation:
+    """Variation of parts between two times, as samples and bounds of the cells between them tell.
+
+    Parameters
+    ----------
+    sample : (n,) array
+        Values of the parts at the first time, in units of their formulas.
+    """
+
+    def __init__(self, sample: Array) -> None:
+        self.last = self.least = self.most = self.low = self.high = sample
+        self.reach = self.change = self.hidden = self.most_hidden = np.zeros(len(sample))
+
+
+def begin_variation(sample: Array) -> Variation:
+    """Variation of parts (n,) from a first sample on."""
+    return Variation(sample)
+
+
+def add_cell(h: float, sample: Array, bounds: Array, variation: Variation) -> None:
+    """Add a cell of length h [s]: the sample (n,) at its end, and bounds (4, n) in it.
+
+    These are the least and largest values, and the least and largest rates.
+    """
+    below, above, slowest, fastest = bounds
+    v, width = variation, above - below
+    hidden = width - np.abs(sample - v.last)
+    v.least, v.most = smallest(sample, v.least), largest(sample, v.most)
+    v.low, v.high = smallest(below, v.low), largest(above, v.high)
+    v.reach, v.change = v.reach + width, v.change + h * (fastest - slowest)
+    v.hidden, v.most_hidden = v.hidden + hidden, largest(hidden, v.most_hidden)
+    v.last = sample
+
+
+def sampling_of(v: Variation, size: Array, nothing: Array, *, has_error: bool) -> int:
+    """How well samples tell how all parts vary, but for what counts as nothing.
+
+    Their rates change by as little as they do, or bounds leave them nearly what they are and are no
+    looser in one cell than in all others, as where a hill hides, or, where formulas switch and an
+    error tells of what they change by, they vary by no more than samples show, as a root at whose
+    end no rate is bounded.
+    """
+    shown = v.most - v.least
+    is_even = v.most_hidden <= UNEVEN * v.hidden + nothing
+    is_steady = is_even & (v.high - v.low <= STEADY * size + nothing)
+    is_shown = (v.reach <= SHOWN * shown + nothing) & has_error
+    if not np.all(is_steady | is_shown | (v.change <= EXPLAINED * shown + nothing)):
+        return UNRESOLVED
+    return RESOLVED if np.all(is_steady | (v.change <= SMOOTH * shown + nothing)) else COARSE
 
 
 def are_narrow_resolved(start: float, end: float, search: Search) -> bool:
-    """Whether samples between two times tell how parts vary.
+    """Whether samples between two times tell how parts vary with the state.
 
-    Their rates change as little, or bounds leave them nearly what they are, or, where formulas
-    switch and an error tells of what they change by, no more than samples show, as of a root at
-    whose end no rate is bounded.
+    Whether they are few for that is noted.
     """
     h, first = (end - start) / CELLS, len(search.state.sides)
     n = slice(first, first + len(search.work.w.narrow) // 4)
     a = node_at(start, search)
-    least = most = low = high = middle(a)[n]
-    band, change, reach = half_width(a)[n], np.zeros(len(least)), np.zeros(len(least))
+    variation, band = begin_variation(middle(a)[n]), half_width(a)[n]
     for cell in range(1, CELLS + 1):
         b = node_at(start + cell * h, search)
-        below, above, slowest, fastest = bound_functions(a, b, search)[:, n]
-        least, most = smallest(middle(b)[n], least), largest(middle(b)[n], most)
-        low, high = smallest(below, low), largest(above, high)
-        band, change = largest(half_width(b)[n], band), change + h * (fastest - slowest)
-        reach = reach + (above - below)
-        a = b
-    size = largest(-least, most)
-    scales = search.work.scene.narrow_scales
+        add_cell(h, middle(b)[n], bound_functions(a, b, search)[:, n], variation)
+        band, a = largest(half_width(b)[n], band), b
+    size, scales = largest(-variation.least, variation.most), search.work.scene.narrow_scales
     nothing = band + negligible_variation(size, scales, search.tolerance, start, end)
-    is_shown = (reach <= SHOWN * (most - least) + nothing) & search.has_error
-    is_explained = is_shown | (change <= EXPLAINED * (most - least) + nothing)
-    return bool(np.all(is_explained | (high - low <= STEADY * size + nothing)))
+    sampling = sampling_of(variation, size, nothing, has_error=search.has_error)
+    search.is_coarse = search.is_coarse or sampling == COARSE
+    return sampling != UNRESOLVED
 
 
 def is_at_pole(first: float, last: float, search: Search, *, in_between: bool) -> bool:
-    """Whether at both times a function is near to zero, or in between, for a pole.
+    """Whether a function of a pole is near to zero at both times, or may be in between.
 
     A force may be infinite there: no bound tells how it varies, and of what is narrow the energy
     does.
@@ -966,7 +1017,7 @@ def resolved_end(end: float, search: Search) -> float:
     What they do not tell in the finest intervals either is gone over, and noted.
     """
     start = first = search.start
-    whole = allowed = width = end - start
+    span = allowed = width = end - start
     count = 0
     while first < start + allowed:
         if count == MOST_NODES:
@@ -987,4 +1038,4 @@ def resolved_end(end: float, search: Search) -> float:
             search.is_unresolved = True
         first = last
         width = 2.0 * width
-    return start + allowed if allowed < whole else end
+    return start + allowed if allowed < span else end

@@ -47,7 +47,7 @@ def hermite_cubic(h: float, y: Array, f_before: Array, f: Array, state: State) -
 
 
 def add_dense_rows(m: RungeKuttaMethod, h: float, state: State, work: Work) -> None:
-    """Make what the stages of a step add to that."""
+    """Make the rows that the stages of a step add to the cubic polynomial."""
     for n, row in enumerate(m.dense):
         combine(m.all, row, None, h, work.k, state.dense[3 + n])
 
@@ -58,20 +58,20 @@ def has_driven_works(m: RungeKuttaMethod, scene: SceneTables) -> bool:
 
 
 def add_driven_rows(state: State, work: Work) -> None:
-    """Make what powers at stages add to works."""
+    """Make the rows that powers at stages add to the polynomial of works."""
     h = state.time - state.time_before
-    done = slice(work.scene.nq - work.scene.works, work.scene.nq)
+    works = slice(work.scene.nq - work.scene.works, work.scene.nq)
     for n, row in enumerate(DRIVEN_ROWS):
-        state.dense[3 + n, done] = 0.0
+        state.dense[3 + n, works] = 0.0
         for k, x in enumerate(row):
-            state.dense[3 + n, done] += h * x * work.k[k, done]
+            state.dense[3 + n, works] += h * x * work.k[k, works]
 
 
 def add_driven_works(x: float, scene: SceneTables, state: State, y: Array) -> None:
-    """Add to works in y (ny,) [J] what the last two of these rows do at the part x of the step."""
-    done, rest = slice(scene.nq - scene.works, scene.nq), 1.0 - x
+    """Add the last two of these rows to works in y (ny,) [J], at the part x of the step."""
+    works, rest = slice(scene.nq - scene.works, scene.nq), 1.0 - x
     factor = x * (x * rest) * (x * rest)
-    y[done] += factor * (state.dense[4, done] + rest * state.dense[5, done])
+    y[works] += factor * (state.dense[4, works] + rest * state.dense[5, works])
 
 
 def prepare_dense(m: RungeKuttaMethod, work: Work, state: State) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 if TYPE_CHECKING:
     from .arithmetic import Array
 
-#: What turns a body back, of Euler parameters.
+#: Signs that make Euler parameters those of the opposite rotation.
 BACK = np.array([1.0, -1.0, -1.0, -1.0])
 
 

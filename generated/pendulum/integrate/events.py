@@ -23,7 +23,7 @@ class EventLog(NamedTuple):
     counts : tuple of int
         How often each was.
     rows : (n, 1 + row_size) array
-        The place of an event, then the row there, in the order of time.
+        The index of an event, then the row there, in the order of time.
     """
 
     counts: tuple[int, ...]
@@ -106,7 +106,7 @@ def infinite(layout: Layout, pole: float) -> str:
 
 
 def add_row(rows: list[Array], event: float, row: Array) -> None:
-    """Add the row of an event, whose number is counted from 1; one that is there is not told again.
+    """Add the row of an event, whose number is counted from 1, unless it is there already.
 
     Parameters
     ----------

@@ -46,7 +46,7 @@ MOST_CORRECTIONS = 30
 DEPENDENT = 1e-10
 #: One that is not given stays as in the scene where so much of its motion is its own, squared.
 APART = 1e-4
-#: What values may miss that others determine.
+#: Error that values may have which others determine.
 AGREES = 1e-9
 #: So many freedoms of bodies that no coordinate names are held.
 MOST_HELD = 100
@@ -97,14 +97,14 @@ class Jacobian(NamedTuple):
     ----------
     J : (n, nv) array
         Rates of all coordinates per velocity.
-    ways : (n, nv) array
-        Least motion for each coordinate, on the constraints, and before it is brought onto them.
+    motions : (n, nv) array
+        Least motion for each coordinate, on the constraints.
     free : (n, nv) array
-        The same before they are brought onto them.
+        The same before they are brought onto the constraints.
     """
 
     J: Array
-    ways: Array
+    motions: Array
     free: Array
 
 
@@ -126,27 +126,27 @@ class Leader:
         self.rest = np.zeros(len(start.v))
         self.sizes = np.ones(len(start.v))
         self.sizes_q = np.ones(len(start.q))
-        own: dict[tuple[int, ...], None] = {}
+        groups: dict[tuple[int, ...], None] = {}
         for body in start.bodies:
             for places, sizes in ((body.r, self.sizes_q), (body.v, self.sizes)):
                 sizes[indices(places)] = start.length
-            own.setdefault(tuple(indices((*body.v, *body.omega_b))))
+            groups.setdefault(tuple(indices((*body.v, *body.omega_b))))
         self.moves = np.ones(len(start.q))
         self.moves[[*start.works]] = 0.0
         self.held = np.zeros((0, len(start.q)))
         self.probe = probe = self.sizes * np.cos(np.arange(len(start.v)))  # no special direction
-        responses = (self._rates(probe * np.isin(np.arange(len(probe)), one)) for one in own)
-        moved = [one for one, rates in zip(own, responses, strict=True) if rates.any()]
-        self.support = sorted({k for one in moved for k in one})
+        responses = (self._rates(probe * np.isin(np.arange(len(probe)), group)) for group in groups)
+        moved = [group for group, rates in zip(groups, responses, strict=True) if rates.any()]
+        self.support = sorted({k for group in moved for k in group})
 
     def _rates(self, v: Array) -> Array:
-        found: Array = self.evaluate(self.start.q, v)["coordinates"][self.rates]
-        return found
+        rates: Array = self.evaluate(self.start.q, v)["coordinates"][self.rates]
+        return rates
 
     def value(self, q: Array) -> Array:
         """Values (n + held,) [m, rad] of the coordinates at q (nq,), then of what is held."""
-        found = self.evaluate(q, self.rest)["coordinates"][self.values]
-        return np.concatenate([found, self.held @ q])
+        values = self.evaluate(q, self.rest)["coordinates"][self.values]
+        return np.concatenate([values, self.held @ q])
 
     def jacobian(self, q: Array) -> Jacobian:
         """Jacobian of the coordinates at q (nq,), with the motions that change them.
@@ -160,28 +160,28 @@ class Leader:
         for k in self.support:
             unit = self.rest.copy()
             unit[k] = 1.0
-            found = self.evaluate(q, unit)
-            held = self.held @ (found["q_dot"] * self.moves)
-            jacobian[:, k] = np.concatenate([found["coordinates"][self.rates], held])
-            mass = 2.0 * found["energies"][0]
+            response = self.evaluate(q, unit)
+            held = self.held @ (response["q_dot"] * self.moves)
+            jacobian[:, k] = np.concatenate([response["coordinates"][self.rates], held])
+            mass = 2.0 * response["energies"][0]
             weights[k] = 1.0 / mass if mass > 0.0 else 1.0
         free = jacobian * weights
-        moves = [way + (self.evaluate(q, way)["dv"] - still["dv"]) for way in free]
-        return Jacobian(jacobian, np.array(moves).reshape(free.shape), free)
+        motions = [motion + (self.evaluate(q, motion)["dv"] - still["dv"]) for motion in free]
+        return Jacobian(jacobian, np.array(motions).reshape(free.shape), free)
 
     def independent(
-        self, at: Jacobian, given: Sequence[int], first: Sequence[int] = ()
+        self, at: Jacobian, prescribed: Sequence[int], first: Sequence[int] = ()
     ) -> list[int]:
-        """Coordinates that move apart from those before them; given ones come first."""
+        """Coordinates that are independent of those before them; prescribed ones come first."""
         chosen: list[int] = []
-        whole = at.J @ at.ways.T
-        own = np.einsum("kv,kv->k", at.J, at.free)
-        for k in dict.fromkeys((*given, *first, *range(len(self.names)))):
-            rest = whole[k, k]
+        mobility = at.J @ at.motions.T
+        free_mobility = np.einsum("kv,kv->k", at.J, at.free)
+        for k in dict.fromkeys((*prescribed, *first, *range(len(self.names)))):
+            remainder = mobility[k, k]
             if chosen:
-                among = whole[chosen][:, chosen]
-                rest -= whole[k, chosen] @ np.linalg.solve(among, whole[chosen, k])
-            if rest > (DEPENDENT if k in given else APART) * own[k]:
+                block = mobility[chosen][:, chosen]
+                remainder -= mobility[k, chosen] @ np.linalg.solve(block, mobility[chosen, k])
+            if remainder > (DEPENDENT if k in prescribed else APART) * free_mobility[k]:
                 chosen.append(k)
         return chosen
 
@@ -196,8 +196,8 @@ class Leader:
         """
         return q + self.moves * self.evaluate(q, u)["q_dot"]
 
-    def met(
-        self, q: Array, ways: Array, chosen: Sequence[int], goal: Array, enough: float
+    def corrected(
+        self, q: Array, motions: Array, chosen: Sequence[int], goal: Array, tolerance: float
     ) -> tuple[Array, float]:
         """Position near q that meets constraints and the goal, and what it still misses.
 
@@ -207,13 +207,13 @@ class Leader:
         ----------
         q : (nq,) array
             Where it begins, in SI units.
-        ways : (c, nv) array
-            As of :meth:`ways`.
+        motions : (c, nv) array
+            As of :meth:`motions`.
         chosen : sequence of int
             Which c coordinates.
         goal : (c,) array [m, rad]
             Their values.
-        enough : float [-]
+        tolerance : float [-]
             What may be missed, lengths relative to that of the scene.
 
         Returns
@@ -224,13 +224,13 @@ class Leader:
         last = np.inf
         for attempt in range(MOST_CORRECTIONS):
             moved = self.evaluate(q, self.rest)["q_moved"]
-            moves = (goal - self.value(moved)[chosen]) @ ways
+            displacement = (goal - self.value(moved)[chosen]) @ motions
             change = float(np.max(np.abs(moved - q) / self.sizes_q, initial=0.0))
-            left = max(change, self.size(moves))
-            if not left <= (LARGEST_CORRECTION if attempt < FIRST_CORRECTIONS else last):
+            correction = max(change, self.size(displacement))
+            if not correction <= (LARGEST_CORRECTION if attempt < FIRST_CORRECTIONS else last):
                 break
-            q, last = self.displaced(moved, moves), left
-            if left <= enough:
+            q, last = self.displaced(moved, displacement), correction
+            if correction <= tolerance:
                 break
         return q, last
 
@@ -242,35 +242,35 @@ class Leader:
         if not chosen:
             return q, 1.0
         begin = self.value(q)[chosen]
-        way = wanted - begin
+        change = wanted - begin
         made, step = 0.0, 1.0
-        ways = self.ways(self.jacobian(q), chosen)
+        motions = self.motions(self.jacobian(q), chosen)
         while made < 1.0:
-            direction = way @ ways
+            direction = change @ motions
             size = self.size(direction)
             step = min(step, LONGEST_CONTINUATION_STEP / size if size > 0.0 else 1.0)
             following = min(made + step, 1.0)
-            goal = wanted if following == 1.0 else begin + following * way
-            tried = self.displaced(q, (following - made) * direction)
-            tried, left = self.met(tried, ways, chosen, goal, CORRECTION_ON_THE_WAY)
-            if left <= CORRECTION_ON_THE_WAY:
-                at = self.ways(self.jacobian(tried), chosen)
-                if self.size(way @ at - direction) <= LARGEST_TURN * size:
-                    q, ways, made, step = tried, at, following, GROW * step
+            goal = wanted if following == 1.0 else begin + following * change
+            trial = self.displaced(q, (following - made) * direction)
+            trial, correction = self.corrected(trial, motions, chosen, goal, CORRECTION_ON_THE_WAY)
+            if correction <= CORRECTION_ON_THE_WAY:
+                trial_motions = self.motions(self.jacobian(trial), chosen)
+                if self.size(change @ trial_motions - direction) <= LARGEST_TURN * size:
+                    q, motions, made, step = trial, trial_motions, following, GROW * step
                     continue
             step *= SHRINK
             if not step >= SHORTEST_PART:
                 return q, made
         return q, 1.0
 
-    def ways(self, at: Jacobian, chosen: Sequence[int]) -> Array:
+    def motions(self, at: Jacobian, chosen: Sequence[int]) -> Array:
         """Least motions W (c, nv) that move one of the c coordinates each: J Wᵀ = 1.
 
         In SI units, per unit of the coordinate: m or rad.
         """
-        among = at.J[chosen] @ at.ways[chosen].T
+        block = at.J[chosen] @ at.motions[chosen].T
         try:
-            return np.asarray(np.linalg.solve(among.T, at.ways[chosen]), np.float64)
+            return np.asarray(np.linalg.solve(block.T, at.motions[chosen]), np.float64)
         except np.linalg.LinAlgError:
             return np.full((len(chosen), len(self.rest)), np.inf)
 
@@ -278,12 +278,12 @@ class Leader:
         """Position (nq,) that meets constraints and values (c,) [m, rad] to rounding."""
         before = np.inf
         for _ in range(MOST_CORRECTIONS):
-            q, left = self.met(
-                q, self.ways(self.jacobian(q), chosen), chosen, wanted, ROUNDING_OF_COORDINATES
+            q, correction = self.corrected(
+                q, self.motions(self.jacobian(q), chosen), chosen, wanted, ROUNDING_OF_COORDINATES
             )
-            if left <= ROUNDING_OF_COORDINATES or not left < 0.5 * before:
+            if correction <= ROUNDING_OF_COORDINATES or not correction < 0.5 * before:
                 break
-            before = left
+            before = correction
         return q
 
     def hold(self, at: Jacobian, chosen: Sequence[int]) -> None:
@@ -291,13 +291,13 @@ class Leader:
 
         Both are linear in q: where a body is, and 2(p₀*∘p), with p₀ at the start.
         """
-        pairs = [*zip(at.J[chosen], self.ways(at, chosen), strict=True)]
+        pairs = [*zip(at.J[chosen], self.motions(at, chosen), strict=True)]
         bodies = self.start.bodies
         columns = {k: (body, n) for body in bodies for n, k in enumerate(body.omega_b)}
         columns |= {k: (body, n) for body in bodies for n, k in enumerate(body.v)}
         for k, (body, n) in columns.items():
             if (
-                self.size(self._left(self.probe, pairs)) <= CORRECTION_ON_THE_WAY
+                self.size(self._free_part(self.probe, pairs)) <= CORRECTION_ON_THE_WAY
                 or len(self.held) == MOST_HELD
             ):
                 break
@@ -305,9 +305,9 @@ class Leader:
                 continue
             unit = self.rest.copy()
             unit[k] = 1.0
-            way = self._left(unit, pairs)
-            if way[k] > APART:
-                pairs.append((unit, way / way[k]))
+            motion = self._free_part(unit, pairs)
+            if motion[k] > APART:
+                pairs.append((unit, motion / motion[k]))
                 row = np.zeros(len(self.start.q))
                 if k in body.v:
                     row[indices(body.r[n : n + 1])] = 1.0
@@ -318,24 +318,24 @@ class Leader:
                 self.held = np.vstack([self.held, row])
                 self.support = sorted({*self.support, *indices((*body.v, *body.omega_b))})
 
-    def _left(self, u: Array, pairs: Sequence[tuple[Array, Array]]) -> Array:
+    def _free_part(self, u: Array, pairs: Sequence[tuple[Array, Array]]) -> Array:
         """Part of a displacement at the start that opens no joint, and changes nothing else."""
         still = self.evaluate(self.start.q, self.rest)["dv"]
         for _ in range(2):
             u = u + (self.evaluate(self.start.q, u)["dv"] - still)
-            for slopes, way in pairs:
-                u = u - (slopes @ u) * way
+            for slopes, motion in pairs:
+                u = u - (slopes @ u) * motion
         return u
 
-    def moving(self, q: Array, at: Jacobian, chosen: Sequence[int], wanted: Array) -> Array:
-        """Velocities v (nv,) of the scene at q (nq,), projected once; rates are wanted.
+    def velocities(self, q: Array, at: Jacobian, chosen: Sequence[int], wanted: Array) -> Array:
+        """Velocities v (nv,) of the scene at q (nq,) with wanted rates, projected once.
 
-        v + (wanted − J v) W with W of :meth:`ways` and the rates (c,) [m/s, rad/s].
+        v + (wanted − J v) W with W of :meth:`motions` and the rates (c,) [m/s, rad/s].
         """
-        v, ways = self.start.v, self.ways(at, chosen)
+        v, motions = self.start.v, self.motions(at, chosen)
         for _ in range(2):  # the second time takes away what is rounded in the first
             v = v + self.evaluate(q, v)["dv"]
-            v = v + (wanted - at.J[chosen] @ v) @ ways
+            v = v + (wanted - at.J[chosen] @ v) @ motions
         return v
 
     def drivers(self, q: Array, slopes: Array) -> str:
@@ -349,13 +349,13 @@ class Leader:
         size = CORRECTION_ON_THE_WAY * float(np.linalg.norm(wanted))
         if not np.linalg.norm(rows @ shares - wanted) <= size:
             return ""  # it is free
-        parts = np.abs(shares) * np.linalg.norm(rows, axis=0)
+        weights = np.abs(shares) * np.linalg.norm(rows, axis=0)
         names = [name for name, _ in self.start.rows]
-        led = [name for name, part in zip(names, parts, strict=True) if part > size]
-        found = [name for name in led if name.startswith("drivers.")]
-        if not found and rank == len(rows):  # a dead centre of what drivers determine
-            found = [name for name in names if name.startswith("drivers.")]
-        return ", ".join(dict.fromkeys(found))
+        contributing = [name for name, weight in zip(names, weights, strict=True) if weight > size]
+        drivers = [name for name in contributing if name.startswith("drivers.")]
+        if not drivers and rank == len(rows):  # a dead centre of what drivers determine
+            drivers = [name for name in names if name.startswith("drivers.")]
+        return ", ".join(dict.fromkeys(drivers))
 
 
 def lead(start: Start, initial: Mapping[str, float]) -> tuple[Array, Array]:
@@ -419,7 +419,7 @@ def lead(start: Start, initial: Mapping[str, float]) -> tuple[Array, Array]:
     wanted = start.evaluate(start.q, start.v)["coordinates"][leader.rates]
     wanted[[*rates]] = [*rates.values()] * leader.units[[*rates]]
     chosen = leader.independent(at, [*rates], [*values])
-    v = leader.moving(q, at, chosen, wanted[chosen])
+    v = leader.velocities(q, at, chosen, wanted[chosen])
     _require(leader, q, at, rates, start.evaluate(q, v)["coordinates"][leader.rates], "_dot")
     return q, v
 
@@ -432,48 +432,48 @@ def _beside(wanted: float, value: float) -> str:
 def _too_far(leader: Leader, q: Array, values: Mapping[int, float], made: float) -> str:
     """Say how far coordinates were led."""
     count = len(leader.names)
-    reached, begun = (leader.value(at)[:count] / leader.units for at in (q, leader.start.q))
-    parts = [
+    reached, begun = (leader.value(point)[:count] / leader.units for point in (q, leader.start.q))
+    texts = [
         f"{leader.names[k]} comes from {_beside(wanted, begun[k])} to"
         f" {_beside(wanted, reached[k])} of {wanted:.9g}"
         for k, wanted in values.items()
     ]
     return (
-        f"initial values are not reached: {', '.join(parts)} ({100.0 * made:.3g} % of the way);"
+        f"initial values are not reached: {', '.join(texts)} ({100.0 * made:.3g} % of the way);"
         " joints or drivers lead no further, as at a dead centre, or rows become dependent there"
     )
 
 
 def _require(
-    leader: Leader, q: Array, at: Jacobian, given: Mapping[int, float], found: Array, suffix: str
+    leader: Leader, q: Array, at: Jacobian, values: Mapping[int, float], reached: Array, suffix: str
 ) -> None:
-    """Refuse what is not met: drivers determine it, or coordinates depend on each other."""
+    """Refuse values that are not met: drivers determine them, or they depend on each other."""
     problems = []
-    for k, wanted in given.items():
-        has = found[k] / leader.units[k]
-        if not abs(has - wanted) <= AGREES * max(1.0, abs(wanted)):
+    for k, wanted in values.items():
+        value = reached[k] / leader.units[k]
+        if not abs(value - wanted) <= AGREES * max(1.0, abs(wanted)):
             name = f"{leader.names[k]}{suffix}"
             drivers = leader.drivers(q, at.J[k])
             if drivers:
-                why = f"wanted {has:.9g}: {drivers} says so at t = 0"
+                why = f"wanted {value:.9g}: {drivers} says so at t = 0"
             elif leader.independent(at, [k])[:1] != [k]:
-                why = _dead_centre(leader, at, k, has, suffix)
+                why = _dead_centre(leader, at, k, value, suffix)
             else:
-                why = f"wanted {has:.9g}: it follows from the rest"
+                why = f"wanted {value:.9g}: it follows from the rest"
             problems.append(f"{name} is {wanted!r}, {why}")
     if problems:
         raise InitialError(f"initial values do not fit: {'; '.join(problems)}")
 
 
-def _dead_centre(leader: Leader, at: Jacobian, k: int, has: float, suffix: str) -> str:
+def _dead_centre(leader: Leader, at: Jacobian, k: int, now: float, suffix: str) -> str:
     """Say that nothing leads a coordinate from where its rate is zero, and what to give instead."""
-    own = leader.names[k]
-    beside = leader.independent(at, [])
-    instead = " or ".join(leader.names[j] for j in beside) or "another coordinate of the scene"
-    moved = f"its rate is 0 there, however {instead} moves" if beside else "its rate is 0 there"
+    name = leader.names[k]
+    free = leader.independent(at, [])
+    instead = " or ".join(leader.names[j] for j in free) or "another coordinate of the scene"
+    moved = f"its rate is 0 there, however {instead} moves" if free else "its rate is 0 there"
     if suffix:
-        return f"wanted {has:.9g}: this place is a dead centre of {own}, {moved}"
+        return f"wanted {now:.9g}: this place is a dead centre of {name}, {moved}"
     return (
-        f"but stays at {has:.9g}: the start is a dead centre of {own}, {moved}, and on which side"
+        f"but stays at {now:.9g}: the start is a dead centre of {name}, {moved}, and on which side"
         f" it would go on is open; give {instead} instead, which leads it there, or q0 and v0"
     )

@@ -72,13 +72,13 @@ def started(
             for name, is_length, columns in layout.coordinates
         },
         tuple(rows),
-        [at for _, at in layout.works],
+        [index for _, index in layout.works],
         layout.length,
         layout.unit,
     )
-    given = (np.array(one) if one else None for one in initial[1:])
+    poses = (np.array(values) if values else None for values in initial[1:])
     try:
-        return lead(start, dict(initial.values)) if initial.values else place(start, *given)
+        return lead(start, dict(initial.values)) if initial.values else place(start, *poses)
     except InitialError as error:
         raise refusal(f"{layout.name}: {error}") from None
 
@@ -113,14 +113,14 @@ def place(
         Bodies or velocities are not where the solver can have them, or joints are open.
     """
     leader = Leader(start)
-    begun = written_state(start.bodies, start.q, start.v, start.unit)
+    initial_state = written_state(start.bodies, start.q, start.v, start.unit)
     problems: list[str] = []
     wanted = []
-    for name, values, own in zip(("q0", "v0"), (q0, v0), begun, strict=True):
-        if values is not None and (wrong := misfit_of_bodies(name, values, own.size)):
+    for name, values, written in zip(("q0", "v0"), (q0, v0), initial_state, strict=True):
+        if values is not None and (wrong := misfit_of_bodies(name, values, written.size)):
             raise InitialError(wrong)
-        wanted.append(own if values is None else values.copy())
-    for body, part in _parts(start.bodies, wanted[0], 4):
+        wanted.append(written if values is None else values.copy())
+    for body, part in _slices(start.bodies, wanted[0], 4):
         size = np.linalg.norm(part[3:])
         if body.p and not abs(size - 1.0) <= MISSES:
             problems.append(f"Euler parameters of body {body.name} have not the norm 1")
@@ -128,19 +128,19 @@ def place(
     q, v = start.q.copy(), start.v.copy()
     if not problems:
         placed = solver_state(start.bodies, wanted[0], wanted[1], start.unit, (q, v))
-        found = written_state(start.bodies, *placed, start.unit)
+        reached = written_state(start.bodies, *placed, start.unit)
         if q0 is not None:
-            q, problems = placed[0], [*_misses(start, wanted[0], found[0], 4)]
+            q, problems = placed[0], [*_misplaced(start, wanted[0], reached[0], 4)]
         if v0 is not None:
             v = placed[1]
-            problems += _misses(start, wanted[1], found[1], 3)
+            problems += _misplaced(start, wanted[1], reached[1], 3)
     if not problems and q0 is not None:
-        q += _turns(start, q, counted)
-        problems += _open(start, _residuals(start, q), 1.0)
-        q, _ = leader.met(q, np.empty((0, len(v))), [], np.empty(0), ROUNDING_OF_COORDINATES)
+        q += _missing_turns(start, q, counted)
+        problems += _gaps(start, _residuals(start, q), 1.0)
+        q, _ = leader.corrected(q, np.empty((0, len(v))), [], np.empty(0), ROUNDING_OF_COORDINATES)
     if not problems and v0 is not None:
         at = start.evaluate(q, v)
-        problems += [f"{text}/s" for text in _open(start, at["C_dot"], max(1.0, leader.size(v)))]
+        problems += [f"{text}/s" for text in _gaps(start, at["C_dot"], max(1.0, leader.size(v)))]
         v = v + at["dv"]
     if problems:
         raise InitialError(f"q0 or v0 cannot be: {'; '.join(problems)}")
@@ -148,25 +148,25 @@ def place(
         rates = start.evaluate(start.q, start.v)["coordinates"][leader.rates]
         moves = leader.jacobian(q)
         chosen = leader.independent(moves, [])
-        v = leader.moving(q, moves, chosen, rates[chosen])
+        v = leader.velocities(q, moves, chosen, rates[chosen])
     return q, v
 
 
-def _parts(
+def _slices(
     bodies: Sequence[BodyPlaces], values: Array, turning: int
 ) -> Iterator[tuple[BodyPlaces, Array]]:
-    """Bodies with their parts of a state as written: three numbers, those of a turn."""
-    at = 0
+    """Bodies with their slices of a state as written: three numbers, then those of a turn."""
+    first = 0
     for body in bodies:
         size = 3 + turning * bool(body.p)
-        yield body, values[at : at + size]
-        at += size
+        yield body, values[first : first + size]
+        first += size
 
 
-def _misses(start: Start, wanted: Array, found: Array, turning: int) -> Iterator[str]:
-    """Bodies that the solver cannot have as they are wanted."""
-    there = _parts(start.bodies, found, turning)
-    for (body, part), (_, has) in zip(_parts(start.bodies, wanted, turning), there, strict=True):
+def _misplaced(start: Start, wanted: Array, reached: Array, turning: int) -> Iterator[str]:
+    """Bodies that the solver cannot place as they are wanted, and by how much."""
+    there = _slices(start.bodies, reached, turning)
+    for (body, part), (_, has) in zip(_slices(start.bodies, wanted, turning), there, strict=True):
         back = -1.0 if turning == 4 and part[3:] @ has[3:] < 0.0 else 1.0  # p and -p turn alike
         lengths = np.abs(part[:3] - has[:3]).max() * start.unit / start.length
         miss = max(lengths, np.abs(part[3:] - back * has[3:]).max(initial=0.0))
@@ -178,10 +178,10 @@ def _misses(start: Start, wanted: Array, found: Array, turning: int) -> Iterator
             )
 
 
-def _open(start: Start, left: Array, speed: float) -> list[str]:
-    """Joints whose rows do not hold, and how far."""
+def _gaps(start: Start, residuals: Array, speed: float) -> list[str]:
+    """Gaps of joints whose rows do not hold."""
     worst: dict[tuple[str, str], float] = {}
-    for (name, unit), size in zip(start.rows, np.abs(left).tolist(), strict=True):
+    for (name, unit), size in zip(start.rows, np.abs(residuals).tolist(), strict=True):
         if not size <= MISSES * speed * (start.length if unit == "m" else 1.0):
             worst[name, unit] = max(size, worst.get((name, unit), 0.0))
     return [f"{name} is open by {size:.3g} {unit}" for (name, unit), size in worst.items()]
@@ -189,31 +189,31 @@ def _open(start: Start, left: Array, speed: float) -> list[str]:
 
 def _residuals(start: Start, q: Array) -> Array:
     """Residuals of all rows, also of those left out."""
-    found = start.evaluate(q, np.zeros_like(start.v))
-    return np.concatenate([found["C"], found["C_left_out"]])
+    evaluated = start.evaluate(q, np.zeros_like(start.v))
+    return np.concatenate([evaluated["C"], evaluated["C_left_out"]])
 
 
-def _turns(start: Start, q: Array, counted: Array | None) -> Array:
+def _missing_turns(start: Start, q: Array, counted: Array | None) -> Array:
     """Turns that angles of q lack: no orientation tells them, but gears that fit."""
-    left, lacks = _residuals(start, q), np.zeros_like(q)
-    places = {k for body in start.bodies for k in indices((*body.r, *body.p))}
-    angles = [k for k in range(len(q)) if k not in {*places, *start.works}]
+    residuals, lacks = _residuals(start, q), np.zeros_like(q)
+    of_bodies = {k for body in start.bodies for k in indices((*body.r, *body.p))}
+    angles = [k for k in range(len(q)) if k not in {*of_bodies, *start.works}]
     if counted is not None:
         lacks[angles] = (counted - q)[angles]
         return lacks
-    slopes = np.zeros((len(left), len(q)))
+    slopes = np.zeros((len(residuals), len(q)))
     for k in angles:
         lacks[k] = TURN
-        slopes[:, k] = _residuals(start, q + lacks) - left
+        slopes[:, k] = _residuals(start, q + lacks) - residuals
         lacks[k] = 0.0
     counts = np.outer(np.arange(1.0, MOST_TURNS), [1.0, -1.0]).ravel()
     for k in angles:
         rows = np.flatnonzero(np.abs(slopes[:, k]) > MISSES)
         geared = [m for m in angles if m != k and slopes[rows, m].any()]
-        left = _residuals(start, q + lacks)
-        if len(rows) and np.abs(left[rows]).max() > MISSES:
+        residuals = _residuals(start, q + lacks)
+        if len(rows) and np.abs(residuals[rows]).max() > MISSES:
             others = slopes[rows][:, geared]
-            beyond = left[rows] + np.outer(counts, slopes[rows, k])
+            beyond = residuals[rows] + np.outer(counts, slopes[rows, k])
             turns = np.round(-beyond @ np.linalg.pinv(others).T)
             fits = np.abs(beyond + turns @ others.T).max(axis=1) <= MISSES
             if fits.any():

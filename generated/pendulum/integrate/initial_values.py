@@ -49,8 +49,8 @@ def initial_of(
         return InitialValues(
             (),
             *(
-                () if given is None else tuple(numbers_of(scene, name, given).ravel().tolist())
-                for name, given in (("q0", q0), ("v0", v0), ("q0", counted))
+                () if numbers is None else tuple(numbers_of(scene, name, numbers).ravel().tolist())
+                for name, numbers in (("q0", q0), ("v0", v0), ("q0", counted))
             ),
         )
     if q0 is not None or v0 is not None:
@@ -61,23 +61,23 @@ def initial_of(
             ' as "theta_dot", to numbers'
         )
     lengths = {
-        own: is_length for name, is_length, _ in layout.coordinates for own in (name, f"{name}_dot")
+        key: is_length for name, is_length, _ in layout.coordinates for key in (name, f"{name}_dot")
     }
     if initial and not lengths:
         raise refusal(
             f"{scene}: no coordinates for initial {shown([*initial])}: the scene names none,"
             ' or was generated without "coordinates"; load(..., outputs=[..., "coordinates"])'
         )
-    found, problems = {}, []
+    values, problems = {}, []
     for name, value in initial.items():
         if name not in lengths:
             problems.append(unknown("coordinate", name, [*lengths]))
             continue
         try:
-            found[name] = number_in(value, is_length=lengths[name])
+            values[name] = number_in(value, is_length=lengths[name])
         except (TypeError, ValueError, OverflowError):
             wanted = "" if lengths[name] else ", or an angle such as '30 deg'"
             problems.append(f"initial {name} is {shown(value)}; wanted a finite number{wanted}")
     if problems:
         raise refusal(f"{scene}: {'; '.join(problems)}")
-    return InitialValues(tuple(found.items()))
+    return InitialValues(tuple(values.items()))

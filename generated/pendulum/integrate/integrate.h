@@ -42,8 +42,8 @@
 #include "breaks.h"
 #endif
 #include "branches.h"
-#include "stepper.h"
 #include "switching.h"
+#include "stepper.h"
 #if IS_DRIVEN
 #include "kinematics.h"
 #endif

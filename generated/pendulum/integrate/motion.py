@@ -47,14 +47,14 @@ OUTPUTS = {
     **dict.fromkeys(COORDINATE, "coordinates"),
     "coordinate_acceleration": "accelerations",
 }
-#: Outputs, and what a row has for them.
+#: Outputs, and the part of a row that has them.
 PARTS_OF_ROWS = {
     "accelerations": "v_dot",
     "coordinates": "coordinates",
     "reactions": "reactions",
     "energies": "energies",
 }
-#: What has a name of its own in metres.
+#: Units with a name of their own in metres.
 IN_METRES = {"force": "N", "torque": "N m", "energy": "J", "work": "J"}
 
 
@@ -165,7 +165,7 @@ class Layout:
     @property
     def has_drivers(self) -> bool:
         """Whether anything is driven."""
-        return any(one.startswith("drivers.") for one in self.checked)
+        return any(name.startswith("drivers.") for name in self.checked)
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> Layout:
@@ -177,16 +177,16 @@ class Layout:
             bodies=tuple(map(BodyPlaces.from_data, data["bodies"])),
             sizes={"t": 1, "q": len(data["q"]), "v": len(data["v"]), **dict(data["parts"])},
             reactions=tuple(
-                ReactionPlaces(**one | {k: tuple(one[k]) for k in ("point_b", "columns")})
-                for one in data["reactions"]
+                ReactionPlaces(**entry | {k: tuple(entry[k]) for k in ("point_b", "columns")})
+                for entry in data["reactions"]
             ),
             not_unique=tuple(data["not_unique"]),
-            undetermined=tuple((name, tuple(own)) for name, own in data["undetermined"]),
+            undetermined=tuple((name, tuple(columns)) for name, columns in data["undetermined"]),
             checked=tuple(data["checked"]),
             coordinates=tuple(
-                (one["name"], one["is_length"], one["columns"]) for one in data["coordinates"]
+                (item["name"], item["is_length"], item["columns"]) for item in data["coordinates"]
             ),
-            works=tuple((name, place) for name, place in data["works"]),
+            works=tuple((name, index) for name, index in data["works"]),
             is_flat=data["is_flat"],
             length=data["length"],
             closure_tolerance=data["closure_tolerance"],
@@ -205,28 +205,28 @@ class Layout:
     def at(self, design: Array) -> Layout:
         """Layout with numbers of the design (n,) [SI] in place of their indices."""
 
-        def given(values: Sequence[float]) -> tuple[float, ...]:
-            return tuple(float(design[x]) if isinstance(x, int) else x for x in values)
+        def fixed(numbers: Sequence[float]) -> tuple[float, ...]:
+            return tuple(float(design[x]) if isinstance(x, int) else x for x in numbers)
 
         return replace(
             self,
             bodies=tuple(
-                replace(one, origin_b=given(one.origin_b), axes_b=given(one.axes_b))
-                for one in self.bodies
+                replace(body, origin_b=fixed(body.origin_b), axes_b=fixed(body.axes_b))
+                for body in self.bodies
             ),
-            reactions=tuple(replace(one, point_b=given(one.point_b)) for one in self.reactions),
+            reactions=tuple(replace(r, point_b=fixed(r.point_b)) for r in self.reactions),
             given=tuple(
-                replace(one, mass_properties=given(one.mass_properties)) for one in self.given
+                replace(body, mass_properties=fixed(body.mass_properties)) for body in self.given
             ),
         )
 
     def parts(self, rows: Array) -> dict[str, Array]:
         """Parts (n, size) of rows (n, row_size) by name, in SI units: views."""
-        found, first = {}, 0
+        columns, first = {}, 0
         for name, size in self.sizes.items():
-            found[name] = rows[:, first : first + size]
+            columns[name] = rows[:, first : first + size]
             first += size
-        return found
+        return columns
 
     def of_joint(self, joint: ReactionPlaces, q: Array, reactions: Array) -> tuple[Array, Array]:
         """Force F and torque A M′ + (r − s) × F on body j at the joint's point s, in frame O.
@@ -246,8 +246,8 @@ class Layout:
             The opposite of what acts on body i where body j is the ground.
         """
         body, sign = self.bodies[joint.body], -1.0 if joint.j < 0 else 1.0
-        own = [reactions[:, k] if k >= 0 else np.zeros(len(reactions)) for k in joint.columns]
-        force, torque = sign * np.stack(own[:3]), sign * np.stack(own[3:])
+        wrench = [reactions[:, k] if k >= 0 else np.zeros(len(reactions)) for k in joint.columns]
+        force, torque = sign * np.stack(wrench[:3]), sign * np.stack(wrench[3:])
         if body.p:
             torque = rotated(_columns(body.p, q), torque)
         torque = torque + crossed(_columns(body.r, q) - self.point_of(joint, q), force)
@@ -375,8 +375,8 @@ class Motion(Result):
             self._told = EventLog((), np.empty((0, 1 + self.rows.shape[1])))
         if callable(self._told):
             self._told = self._told()
-        found: EventLog = self._told
-        return found
+        log: EventLog = self._told
+        return log
 
     @property
     def ledger(self) -> Ledger:
@@ -385,8 +385,8 @@ class Motion(Result):
             raise missing(f"{self.name}: no ledger: install kousoku, which keeps it")
         if callable(self._ledger):
             self._ledger = self._ledger()
-        found: Ledger = self._ledger
-        return found
+        ledger: Ledger = self._ledger
+        return ledger
 
     @property
     def parameters(self) -> Mapping[str, float]:
@@ -396,7 +396,7 @@ class Motion(Result):
     @property
     def events(self) -> Mapping[str, EventOccurrences]:
         """The events of the scene: how often each was, when, and the states there."""
-        found = {}
+        occurrences = {}
         for k, (name, action) in enumerate(self.layout.events):
             rows = self.told.rows[self.told.rows[:, 0] == k, 1:]
             states = Motion(
@@ -407,8 +407,8 @@ class Motion(Result):
                 parameters=self._parameters,
             )
             count = self.told.counts[k] if self.told.counts else 0
-            found[name] = EventOccurrences(name, action, count, states)
-        return Named(found, f"{self.name}: no event", f"{self.name}: it has no events")
+            occurrences[name] = EventOccurrences(name, action, count, states)
+        return Named(occurrences, f"{self.name}: no event", f"{self.name}: it has no events")
 
     @property
     def stopped_by(self) -> str:
@@ -438,10 +438,10 @@ class Motion(Result):
         if shown and of is None:
             return shown
         bodies = [of] if of else self._names("body")[::-1]
-        parts = [[f"{body}.{letter}" for letter in BODY["position"]] for body in bodies]
-        parts += [[x for x in self.places if x.startswith(f"{body}.")] for body in bodies]
-        moving = (self._moving(one, self.reaction_length) for one in parts)
-        return next(filter(None, moving), parts[0])
+        groups = [[f"{body}.{letter}" for letter in BODY["position"]] for body in bodies]
+        groups += [[x for x in self.places if x.startswith(f"{body}.")] for body in bodies]
+        moving = (self._moving(group, self.reaction_length) for group in groups)
+        return next(filter(None, moving), groups[0])
 
     @property
     def not_unique(self) -> tuple[str, ...]:
@@ -466,10 +466,10 @@ class Motion(Result):
     def _names(self, sort: str) -> Sequence[str]:
         if sort == "body":
             return [body.name for body in self.layout.bodies]
-        drivers = [one[8:] for one in self.layout.checked if one.startswith("drivers.")]
-        joints = [one for one in self.layout.checked if not one.startswith("drivers.")]
+        drivers = [name[8:] for name in self.layout.checked if name.startswith("drivers.")]
+        joints = [name for name in self.layout.checked if not name.startswith("drivers.")]
         if self.layout.reactions:  # those too of several bodies: gear.wheel
-            named = [one.joint for one in self.layout.reactions]
+            named = [reaction.joint for reaction in self.layout.reactions]
             both = [[x for x in named if x.partition(".")[0] in own] for own in (joints, drivers)]
             joints, drivers = both
         return joints if sort == "joint" else drivers
@@ -486,10 +486,10 @@ class Motion(Result):
         for table in values.values():
             table.flags.writeable = False  # nobody can write to what others read
         sort = "bodies" if name in BODY else "joints" if name in JOINT else "the scene"
-        what, output = f"{name.replace('_', ' ')} of {sort}", OUTPUTS.get(name)
+        label, output = f"{name.replace('_', ' ')} of {sort}", OUTPUTS.get(name)
         if output is None or PARTS_OF_ROWS[output] in self.layout.sizes:
-            return Named(values, f"{self.name}: no {what}")
-        return Named(values, advice=f"{self.name}: {not_generated(what, output)}")
+            return Named(values, f"{self.name}: no {label}")
+        return Named(values, advice=f"{self.name}: {not_generated(label, output)}")
 
     def _make(self, name: str) -> None:
         layout, tables = self.layout, self._tables
@@ -504,12 +504,12 @@ class Motion(Result):
                 for joint in layout.reactions
             }
             tables["force"] = {name: force / layout.unit for name, (force, _) in pairs.items()}
-            tables["torque"] = {name: one / layout.unit**2 for name, (_, one) in pairs.items()}
+            tables["torque"] = {name: m / layout.unit**2 for name, (_, m) in pairs.items()}
         elif name in COORDINATE:
             k = [*COORDINATE].index(name)
             tables[name] = {
-                own: parts["coordinates"][:, columns[k]] / (layout.unit if is_length else 1.0)
-                for own, is_length, columns in layout.coordinates
+                key: parts["coordinates"][:, columns[k]] / (layout.unit if is_length else 1.0)
+                for key, is_length, columns in layout.coordinates
                 if k < len(columns)
             }
         else:
@@ -519,21 +519,21 @@ class Motion(Result):
                 total = kinetic + potential
                 tables["energy"] = {"kinetic": kinetic, "potential": potential, "total": total}
                 tables["work"] = {
-                    name: parts["q"][:, place] / layout.unit**2 for name, place in layout.works
+                    name: parts["q"][:, index] / layout.unit**2 for name, index in layout.works
                 }
 
     @cached_property
     def places(self) -> dict[str, Column]:
         """Places of the columns, in order."""
-        layout, found = self.layout, {"time": Column("time", "", None, "s")}
+        layout, by_name = self.layout, {"time": Column("time", "", None, "s")}
 
         def unit_of(table: str) -> str:
-            own = IN_METRES.get(table) if self.unit == "m" else None
-            return own or UNITS[table].replace("u", self.unit, 1)
+            si_unit = IN_METRES.get(table) if self.unit == "m" else None
+            return si_unit or UNITS[table].replace("u", self.unit, 1)
 
         def add(table: str, owner: str, letters: Sequence[str]) -> None:
             for k, letter in enumerate(letters):
-                found[f"{owner}.{letter}"] = Column(table, owner, k, unit_of(table))
+                by_name[f"{owner}.{letter}"] = Column(table, owner, k, unit_of(table))
 
         for body in layout.bodies:
             for table, letters in BODY.items():
@@ -545,31 +545,31 @@ class Motion(Result):
                 add(table, joint.joint, letters)
         if "energies" in layout.sizes:
             for name in ("kinetic", "potential", "total"):
-                found[f"energy.{name}"] = Column("energy", name, None, unit_of("energy"))
+                by_name[f"energy.{name}"] = Column("energy", name, None, unit_of("energy"))
             for name, _ in layout.works:
-                found[f"work.{name}"] = Column("work", name, None, unit_of("work"))
+                by_name[f"work.{name}"] = Column("work", name, None, unit_of("work"))
         for name, is_length, columns in layout.coordinates:
             for (table, ending), _ in zip(COORDINATE.items(), columns, strict=False):
                 unit = unit_of(table) if is_length else UNITS[table].replace("u", "rad")
-                found[name + ending] = Column(table, name, None, unit)
-        return found
+                by_name[name + ending] = Column(table, name, None, unit)
+        return by_name
 
     def _no_column(self, name: object) -> str:
         """Say which output has a column that is not there, or which columns there are."""
         owner, _, letter = str(name).rpartition(".")
         for table, letters in (BODY | JOINT).items():
-            parts = "body" if table in BODY else "joint"
-            if letter in letters and owner in (*self._names(parts), *self._names("driver")):
+            sort = "body" if table in BODY else "joint"
+            if letter in letters and owner in (*self._names(sort), *self._names("driver")):
                 try:
                     getattr(self, table)[owner]
                 except KeyError as error:
                     return str(error).removeprefix(f"{self.name}: ")
         if owner == "energy" and not self.energy:
             return not_generated("energies", "energies")
-        more = (
+        advice = (
             "" if "coordinates" in self.layout.sizes else not_generated("coordinate", "coordinates")
         )
-        return super()._no_column(name) + f"; {more}" * bool(more)
+        return super()._no_column(name) + f"; {advice}" * bool(advice)
 
     @property
     def drivers(self) -> Sequence[str]:
@@ -585,10 +585,10 @@ class Motion(Result):
             The path.
         """
         bodies = self.layout.bodies
-        own = next(one for one in bodies if one.name == body)
-        if sum(one.r == own.r for one in bodies) > 1:
+        chosen = next(candidate for candidate in bodies if candidate.name == body)
+        if sum(candidate.r == chosen.r for candidate in bodies) > 1:
             return None
-        return _columns(own.r, self.layout.parts(self.rows)["q"]).T / self.layout.unit
+        return _columns(chosen.r, self.layout.parts(self.rows)["q"]).T / self.layout.unit
 
     def _state(self, k: int) -> tuple[Array, Array]:
         """Coordinates q and velocities v of a row: of bodies in their own frames."""
@@ -611,11 +611,11 @@ class Motion(Result):
             "is_complete": self.is_complete,
             "stopped_by": self.stopped_by,
             "events": {
-                name: {"action": one.action, "count": one.count, "times": one.time.tolist()}
-                for name, one in self.events.items()
+                name: {"action": event.action, "count": event.count, "times": event.time.tolist()}
+                for name, event in self.events.items()
             },
             "not_unique": list(self.not_unique),
-            "undetermined": {name: list(own) for name, own in self.undetermined.items()},
+            "undetermined": {name: list(columns) for name, columns in self.undetermined.items()},
             "reaction_length": self.reaction_length,
             "notes": list(self.notes),
             "trust": self.ledger.trust.as_data(),
@@ -627,11 +627,11 @@ class Motion(Result):
         if not self.not_unique:
             return ""
         joints: dict[tuple[str, ...], list[str]] = {}
-        for name, own in self.undetermined.items():
-            joints.setdefault(own, []).append(scene_key(name))
+        for name, columns in self.undetermined.items():
+            joints.setdefault(columns, []).append(scene_key(name))
         texts = [
-            f"{'force and torque' if len(own) == 6 else ', '.join(own)} of {listed(names)}"
-            for own, names in joints.items()
+            f"{'force and torque' if len(columns) == 6 else ', '.join(columns)} of {listed(names)}"
+            for columns, names in joints.items()
         ]
         return (
             f"not unique: {'; '.join(texts)}; those with the least Σ|F|² + |M|²/ℓ² are"

@@ -18,11 +18,11 @@ if TYPE_CHECKING:
 WEAK_PIVOT_RATIO = 1e-6
 #: One this much smaller: small errors of positions decide about velocities and accelerations.
 VAGUE_PIVOT_RATIO = 1e-8
-#: Rounding may leave as much of a position over the root of what tells branches: branches that miss
-#: each other by less meet in double precision.
+#: Rounding of a position, times the root of the ratio that tells branches: branches that miss each
+#: other by less meet in double precision.
 BRANCH_ROUNDING = 1e-14
-#: Bodies that are so many lengths of the scene from the origin of frame O are far: what rounding
-#: leaves of their positions counts.
+#: Bodies that are so many lengths of the scene from the origin of frame O are far: rounding of
+#: their positions counts.
 FAR_AWAY = 100.0
 
 
@@ -39,17 +39,17 @@ def inverse_pivots(work: Work) -> tuple[float, float] | None:
 def pivot_ratio(work: Work, state: State) -> float:
     """Smallest pivot of the factors in the workspace relative to the largest [-].
 
-    That is the largest of them and of all steps. 0 if one is not positive; it tends to 0 where rows
+    The largest is that of them and of all steps. 0 if one is not positive; it tends to 0 where rows
     become dependent.
     """
     if work.all is not None and work.all.is_on:
         return work.all.ratio
     if work.scene.nc == 0:
         return 1.0
-    found = inverse_pivots(work)
-    if found is None:
+    inverses = inverse_pivots(work)
+    if inverses is None:
         return 0.0
-    least, most = found
+    least, most = inverses
     known = state.least_inverse_pivot
     return (smaller(least, known) if known > 0.0 else least) / most
 
@@ -59,11 +59,11 @@ def note_largest_pivot(work: Work, state: State) -> None:
 
     Where drivers lead the first ones of all rows are kept.
     """
-    found = inverse_pivots(work) if work.scene.nc > 0 else None
-    if found is None:
+    inverses = inverse_pivots(work) if work.scene.nc > 0 else None
+    if inverses is None:
         return
     known = state.least_inverse_pivot
-    state.least_inverse_pivot = smaller(found[0], known) if known > 0.0 else found[0]
+    state.least_inverse_pivot = smaller(inverses[0], known) if known > 0.0 else inverses[0]
     usual = state.usual_pivots[: work.scene.nc]
     if work.scene.is_driven and usual[0] == 0.0:
         usual[:] = 1.0 / work.w.pivots
@@ -86,7 +86,7 @@ def branch_ratio(work: Work, state: State) -> float:
 
 
 def scale_by_distance(y: Array, scene: SceneTables) -> float:
-    """How many times as large rounding of positions is as in a length of the scene.
+    """Factor [-] by which rounding of positions exceeds that of a length of the scene.
 
     It is 1 if no body is far from the origin of frame O. Joints bring that into angles and
     distances, too.

@@ -53,7 +53,7 @@ def correct_velocity(work: Work) -> None:
 
 
 def refine(work: Work) -> None:
-    """Refine accelerations with the factors in the workspace until what is left is rounding.
+    """Refine accelerations with the factors in the workspace until corrections are rounding.
 
     v̇ − M⁻¹C_qᵀ (C_q M⁻¹C_qᵀ)⁻¹ (C_q v̇ − γ), again and again.
     """
@@ -72,7 +72,7 @@ def refine(work: Work) -> None:
 
 
 def lost_part(work: Work) -> float:
-    """Part [-] of accelerations in the workspace that rows do not ask for."""
+    """Relative error [-] of accelerations in the workspace: their correction onto C_q v̇ = γ."""
     w = work.w
     w.run("refinement")
     return float(np.divide(w.size_of(w.dv), w.size_of(w.v_dot)))
@@ -127,8 +127,8 @@ def check_digits(f: Array, work: Work, state: State) -> None:
 def accelerate(work: Work, state: State) -> None:
     """Find q_dot (nq,), v_dot (nv,) [m/s², rad/s²] and the multipliers (nc,).
 
-    M v̇ + C_qᵀλ = f and C_q v̇ = γ. Where much of them was lost, they are brought nearer by what is
-    left of the latter: S = C_q M⁻¹ C_qᵀ squares the condition of C_q, which this takes back.
+    M v̇ + C_qᵀλ = f and C_q v̇ = γ. Where many digits were lost, they are refined by the residual
+    of the latter: S = C_q M⁻¹ C_qᵀ squares the condition of C_q, which this takes back.
     """
     all_rows = work.all if work.all is not None and work.all.is_on else None
     if all_rows is None:
@@ -156,15 +156,15 @@ def last_ratio(work: Work, state: State) -> float:
     return state.pivot_ratio if work.scene.has_refinement else pivot_ratio(work, state)
 
 
-def project_position(enough: float, work: Work, low: Array | None, state: State) -> float:
-    """Newton on C(q) = 0, from the q in the workspace, until what is left is rounding, or enough.
+def project_position(tolerance: float, work: Work, low: Array | None, state: State) -> float:
+    """Newton's method on C(q) = 0, from q in the workspace, until corrections are small enough.
 
-    What is left is the square of the correction before. The geometry in the workspace is then that
+    One that is left is the square of the one before. The geometry in the workspace is then that
     of q.
 
     Parameters
     ----------
-    enough : float [-]
+    tolerance : float [-]
         A correction that may be left, lengths relative to that of the scene.
     work : Work
         Memory for work, with t and q.
@@ -187,7 +187,7 @@ def project_position(enough: float, work: Work, low: Array | None, state: State)
         if work.scene.nc == 0:
             return 0.0
         state.factorisations += 1
-        if before * before <= enough:
+        if before * before <= tolerance:
             return first
         correct_position(work)
         state.corrections += 1
@@ -207,7 +207,7 @@ def project_position(enough: float, work: Work, low: Array | None, state: State)
 
 def project(
     t: float,
-    enough: float,
+    tolerance: float,
     y: Array,
     low: Array | None,
     f: Array | None,
@@ -222,7 +222,7 @@ def project(
     ----------
     t : float [s]
         Time.
-    enough : float [-]
+    tolerance : float [-]
         A correction that may be left, relative to a length of the scene.
     y : (ny,) array
         Coordinates and velocities, in SI units.
@@ -242,7 +242,7 @@ def project(
     """
     w, nq = work.w, work.scene.nq
     w.place(t, y)
-    first = project_position(enough, work, low, state)
+    first = project_position(tolerance, work, low, state)
     if not first >= 0.0:
         return -1.0
     if work.scene.nc > 0 or work.scene.fits:
@@ -264,7 +264,7 @@ def project(
 
 
 def take_normal_part(part: float, v: Array, work: Work, u: Array) -> None:
-    """Take a part of what is normal to the constraints from u (nv,), a displacement or change of v.
+    """Subtract a part of the normal component from u (nv,), a displacement or change of v.
 
     It is normal at the geometry in the workspace, M⁻¹C_qᵀ (C_q M⁻¹C_qᵀ)⁻¹ C_q u; without all of it
     u is in the tangent space. Where drivers lead it is added to v (nv,) [m/s, rad/s] as large as v
@@ -282,8 +282,8 @@ def take_normal_part(part: float, v: Array, work: Work, u: Array) -> None:
 def displacement_of(scene: SceneTables, q: Array, dq: Array, u: Array) -> None:
     """Write the displacements u (nv,) [m, rad] that belong to a small change dq (nq,) of q."""
     u[scene.shifts[:, 1]] = dq[scene.shifts[:, 0]]
-    for place, turn, count in scene.turns.tolist():
-        p, d = q[place : place + count].tolist(), dq[place : place + count].tolist()
+    for index, turn, count in scene.turns.tolist():
+        p, d = q[index : index + count].tolist(), dq[index : index + count].tolist()
         if count == 2:  # in a plane
             u[turn] = 2.0 * (p[0] * d[1] - p[1] * d[0])
         else:  # twice the vector part of the conjugate of p times dp

@@ -96,7 +96,7 @@ if TYPE_CHECKING:
 
 
 Value = TypeVar("Value")
-#: What changes less, as a part of what it is compared with, does so by rounding.
+#: Columns that change by a smaller part of their size do so by rounding.
 ROUNDING_OF_COLUMNS = 1e-9
 #: Files that results go to; the last one needs pandas and pyarrow.
 SUFFIXES = (".csv", ".npz", ".parquet")
@@ -123,9 +123,9 @@ class Named(Mapping[str, Value]):
             return self._values[name]
         if self._advice and not self._values:
             raise missing(self._advice)
-        known, what = [*self], f"{self._missing}, " if self._missing else ""
+        known, prefix = [*self], f"{self._missing}, " if self._missing else ""
         raise missing(
-            f"{what}none of {shown(name)}: there are {listed(known) or 'none'}{near(name, known)}"
+            f"{prefix}none of {shown(name)}: there are {listed(known) or 'none'}{near(name, known)}"
         )
 
     def __iter__(self) -> Iterator[str]:
@@ -169,13 +169,13 @@ class Coordinates(np.ndarray):
     def __new__(
         cls, values: Array, parameters: Mapping[str, float] | None, counted: Array | None
     ) -> Coordinates:
-        """Numbers with what belongs to them."""
-        found = np.asarray(values).view(cls)
-        found.parameters, found.counted = parameters, counted
-        return found
+        """Coordinates with the parameters and counted angles of their run."""
+        coordinates = np.asarray(values).view(cls)
+        coordinates.parameters, coordinates.counted = parameters, counted
+        return coordinates
 
     def __array_finalize__(self, other: Any) -> None:
-        """Hand on what belongs to them to what is computed from them."""
+        """Hand these on to what is computed from them."""
         self.parameters = getattr(other, "parameters", None)
         self.counted = getattr(other, "counted", None)
 
@@ -378,8 +378,8 @@ class Result:
 
     def _no_column(self, name: object) -> str:
         columns = [*self.places]
-        if own := [column for column, place in self.places.items() if place.owner == name]:
-            return f"no column {shown(name)}: those of {name} are {listed(own)}"
+        if owned := [column for column, place in self.places.items() if place.owner == name]:
+            return f"no column {shown(name)}: those of {name} are {listed(owned)}"
         return f"no column {shown(name)}: there are {listed(columns)}{near(name, columns)}"
 
     def __contains__(self, name: object) -> bool:
@@ -402,10 +402,10 @@ class Result:
         """
         if name in self:
             return [name]
-        own = [column for column, place in self.places.items() if place.owner == name]
-        if not own:
+        columns = [column for column, place in self.places.items() if place.owner == name]
+        if not columns:
             raise missing(f"{self.name}: {self._no_column(name)}")
-        return own
+        return columns
 
     def body(self, name: str) -> Part:
         """Position, velocity, orientation … of a body."""
@@ -439,7 +439,7 @@ class Result:
 
     def _part(self, sort: str, name: str) -> Part:
         if sort not in self.PARTS:
-            calls = ", ".join(f".{one}(…)" for one in self.PARTS)
+            calls = ", ".join(f".{known}(…)" for known in self.PARTS)
             raise missing(f"{self.name}: no {sort} {shown(name)}: the result has {calls}")
         if name not in (names := self._names(sort)):
             raise missing(f"{self.name}: {unknown(sort, name, names)}")
@@ -497,8 +497,8 @@ class Result:
     def figures(self, of: str | None = None) -> dict[str, Figure]:
         """Draw all plots of a run by name, as ``--plot FOLDER``, or those of a body or node."""
         plots = self._late("kousoku.result_plots", "plot")
-        found: dict[str, Figure] = plots.figures_of(self, of=of)
-        return found
+        figures: dict[str, Figure] = plots.figures_of(self, of=of)
+        return figures
 
     def animate(
         self, path: str | os.PathLike[str] | None = None, **options: Unpack[AnimationOptions]

@@ -35,8 +35,8 @@ ALL_OF_THEM = -1.0
 
 def inverse_masses(work: Work) -> Array:
     """Diagonal (nv,) of M⁻¹ [1/kg, 1/(kg m²)] with the parameters of the run."""
-    fixed, at = work.scene.inverse_masses, work.scene.mass_places
-    return np.where(at < 0, fixed, work.w.design[at]) if len(at) else fixed
+    fixed, index = work.scene.inverse_masses, work.scene.mass_places
+    return np.where(index < 0, fixed, work.w.design[index]) if len(index) else fixed
 
 
 def write_jacobian(all_rows: RowMemory, work: Work) -> None:
@@ -62,8 +62,8 @@ def exchange(a: npt.NDArray[Any], i: int, j: int) -> None:
 
 def comparable_pivot(all_rows: RowMemory, work: Work) -> Array:
     """Pivots (rows,) of all rows in their order, as inverses of masses [1/kg]."""
-    found: Array = np.diagonal(all_rows.matrix) / work.scene.inverse_pivot_factors[all_rows.order]
-    return found
+    pivots: Array = np.diagonal(all_rows.matrix) / work.scene.inverse_pivot_factors[all_rows.order]
+    return pivots
 
 
 def factorise_rows(all_rows: RowMemory, work: Work, known: float) -> float:
@@ -97,7 +97,7 @@ def factorise_rows(all_rows: RowMemory, work: Work, known: float) -> float:
 
 
 def solve_rows(right: Array, all_rows: RowMemory, work: Work, u: Array) -> Array:
-    """Set u (nv,) = −M⁻¹ C_qᵀ λ, where C_q M⁻¹ C_qᵀ λ is what the rows have on the right (rows,).
+    """Set u (nv,) = −M⁻¹ C_qᵀ λ, where C_q M⁻¹ C_qᵀ λ is the right-hand side of all rows (rows,).
 
     Returns λ (nc,), in the order in which rows are solved for. In the units of the right, u is a
     correction of q [m, rad], of v, or of v̇.
@@ -120,10 +120,10 @@ def solve_rows(right: Array, all_rows: RowMemory, work: Work, u: Array) -> Array
 def drive(all_rows: RowMemory, work: Work) -> None:
     """Find the power of drivers with the multipliers of all rows."""
     q_dot, drivers = work.w.q_dot, work.scene.drivers
-    for _, place in drivers:
-        q_dot[place] = 0.0
-    for row, place in drivers:
-        q_dot[place] += all_rows.rates[row] * all_rows.lam[row]
+    for _, work_index in drivers:
+        q_dot[work_index] = 0.0
+    for row, work_index in drivers:
+        q_dot[work_index] += all_rows.rates[row] * all_rows.lam[row]
 
 
 def null_multipliers(n: int, all_rows: RowMemory, count: int) -> Array:
@@ -166,25 +166,25 @@ def eliminate(square: Array, right: Array) -> None:
 
 
 def least_norm_reactions(all_rows: RowMemory, work: Work) -> None:
-    """Find the forces of joints.
+    """Find the forces of joints of least norm.
 
     Of all multipliers that move the bodies as those that were found do, they are those with the
     least forces and torques, as where the rows that are kept are independent.
     """
     w, count = work.w, work.scene.nc
-    ways, own = [], []
+    null_space, wrenches = [], []
     for n in range(len(all_rows.order) - count):
-        ways.append(null_multipliers(n, all_rows, count))
-        w.all_lam[:] = ways[n]
+        null_space.append(null_multipliers(n, all_rows, count))
+        w.all_lam[:] = null_space[n]
         w.run("wrench")
-        own.append(w.wrenches.copy())
+        wrenches.append(w.wrenches.copy())
     w.all_lam[:] = all_rows.lam
     w.run("wrench")
-    square = np.array([[inner_product(one, other) for other in own] for one in own])
-    mu = np.array([-inner_product(one, w.wrenches) for one in own])
+    square = np.array([[inner_product(first, second) for second in wrenches] for first in wrenches])
+    mu = np.array([-inner_product(first, w.wrenches) for first in wrenches])
     eliminate(square, mu)
-    for way, part in zip(ways, mu, strict=True):
-        w.all_lam += part * way
+    for multipliers, factor in zip(null_space, mu, strict=True):
+        w.all_lam += factor * multipliers
     w.run("wrench")
 
 
@@ -201,7 +201,7 @@ def take_multipliers(all_rows: RowMemory, work: Work) -> None:
 
 
 def refine_all_rows(all_rows: RowMemory, work: Work) -> None:
-    """Bring v̇, and the multipliers of all rows, nearer to C_q v̇ = γ."""
+    """Correct v̇, and the multipliers of all rows, by what is left of C_q v̇ = γ."""
     work.w.run("check")
     change = np.empty(work.scene.nv)
     x = solve_rows(work.w.C_ddot, all_rows, work, change)
@@ -235,9 +235,9 @@ def are_all_rows_better(ratio: float, all_rows: RowMemory, work: Work, state: St
         return False
     write_jacobian(all_rows, work)
     all_rows.ratio = factorise_rows(all_rows, work, state.least_inverse_pivot)
-    found = all_rows.ratio > HELPS * ratio
-    all_rows.tried = 0.0 if found else ratio
-    return found
+    is_better = all_rows.ratio > HELPS * ratio
+    all_rows.tried = 0.0 if is_better else ratio
+    return is_better
 
 
 def check_misses(s: Settings, work: Work) -> None:
@@ -248,7 +248,7 @@ def check_misses(s: Settings, work: Work) -> None:
 
 
 def note_misses(s: Settings, work: Work, state: State) -> None:
-    """Note what they missed there, which is kept."""
+    """Note the misses of rows that are left out, at a position that is kept."""
     worst = state.violations[0, work.scene.nc :]
     if s.checks and len(work.missed) > 0:
         np.fmax(worst, work.missed, out=worst)
@@ -275,9 +275,9 @@ def find_geometry(work: Work, state: State) -> None:
 
 
 def note_usual_ratio(all_rows: RowMemory, work: Work, state: State) -> None:
-    """Keep what is usual where a run begins.
+    """Keep the usual pivot ratio where a run begins.
 
-    If rows that are kept are nearly dependent there, all rows say it.
+    If rows that are kept are nearly dependent there, it is that of all rows.
     """
     work.w.place(state.time, state.y)
     work.w.dq[:] = 0.0
@@ -287,5 +287,5 @@ def note_usual_ratio(all_rows: RowMemory, work: Work, state: State) -> None:
     forget_trials(work)
     ratio = pivot_ratio(work, state)
     write_jacobian(all_rows, work)
-    every = factorise_rows(all_rows, work, state.least_inverse_pivot)
-    state.largest_pivot_ratio = every if ratio < FALL_BACK * every else ratio
+    ratio_of_all = factorise_rows(all_rows, work, state.least_inverse_pivot)
+    state.largest_pivot_ratio = ratio_of_all if ratio < FALL_BACK * ratio_of_all else ratio

@@ -22,11 +22,9 @@ if TYPE_CHECKING:
     from .settings import Settings
     from .state import State
 
-#: A row that is left out does not hold at the start, or later, when its residual is larger,
-
 
 def are_closed(misses: Array, times: float, scene: SceneTables) -> bool:
-    """Whether rows (n,) [m, rad] miss so many times the closure tolerance at most.
+    """Whether misses (n,) [m, rad] of rows are at most so many times the closure tolerance.
 
     Those that are left out do, and others where these took over.
     """
@@ -34,11 +32,11 @@ def are_closed(misses: Array, times: float, scene: SceneTables) -> bool:
 
 
 def note_checks(work: Work, state: State) -> None:
-    """Note what is left of the constraints, and what of energy and momenta is not as it was."""
+    """Note residuals of the constraints, and changes of energy and of momenta."""
     w = work.w
     w.run("check")
-    for worst, left in zip(state.violations, (w.all_C, w.C_dot, w.C_ddot), strict=True):
-        np.fmax(worst, np.abs(left), out=worst)
+    for worst, residuals in zip(state.violations, (w.all_C, w.C_dot, w.C_ddot), strict=True):
+        np.fmax(worst, np.abs(residuals), out=worst)
     state.energy_error = larger(state.energy_error, abs(energy_balance(work.w.q, work, state)))
     state.energy_moved = larger(state.energy_moved, energy_moved(work.w.q, work, state))
     w.run("momentum")
@@ -49,7 +47,7 @@ def note_checks(work: Work, state: State) -> None:
 def interpolate_position(
     m: RungeKuttaMethod, t: float, x: float, y: Array, work: Work, state: State
 ) -> bool:
-    """Put what the polynomial says of a time t [s] into the workspace, if rows are dependent there.
+    """Put the interpolated state at t [s] into the workspace; return whether rows are dependent.
 
     x [-] is the part of the step, y (ny,) gets the state. Neither a projection nor the
     accelerations can be had from them.
@@ -124,9 +122,9 @@ def write_row(
         part = WEAK_PIVOT_RATIO if s.is_kinematic else VAGUE_PIVOT_RATIO
         vague = part * state.largest_pivot_ratio
         drift = project(t, 0.0, y, None, None, work, state)
-        can = drift >= 0.0
-        is_passed = not can or pivot_ratio(work, state) < vague
-        if is_passed and not interpolate_position(m, t, x, y, work, state) and not can:
+        is_projected = drift >= 0.0
+        is_passed = not is_projected or pivot_ratio(work, state) < vague
+        if is_passed and not interpolate_position(m, t, x, y, work, state) and not is_projected:
             return Status.NOT_PROJECTED
         if is_passed:
             interpolate_accelerations(m, t, x, h, work, state)
@@ -143,11 +141,11 @@ def write_row(
         return Status.NOT_CLOSED
     find_reactions(work, is_passed=is_passed)
     w.run("coordinate")
-    places = [scene.regions.get(part, (0, 0)) for part in scene.parts]
+    regions = [scene.regions.get(part, (0, 0)) for part in scene.parts]
     row[0] = t
     row[1 : 1 + scene.ny] = y
     row[1 + scene.ny :] = np.concatenate(
-        [np.empty(0), *(w.slots[base : base + size] for base, size in places)]
+        [np.empty(0), *(w.slots[base : base + size] for base, size in regions)]
     )
     if not is_passed:
         note_not_finite(row, state)

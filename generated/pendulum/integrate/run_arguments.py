@@ -123,11 +123,11 @@ def require_room(scene: str, rows: int, size: int) -> None:
     SolveError
         There is no room for them.
     """
-    wanted, there = 8 * rows * (size + 1), _memory()
-    if wanted > there:
+    needed, available = 8 * rows * (size + 1), _memory()
+    if needed > available:
         raise refusal(
-            f"{scene}: no room for {rows} rows of {size} numbers: they take {wanted / 1e9:.3g} GB,"
-            f" the machine has {there / 1e9:.3g} GB; ask for fewer times"
+            f"{scene}: no room for {rows} rows of {size} numbers: they take {needed / 1e9:.3g} GB,"
+            f" the machine has {available / 1e9:.3g} GB; ask for fewer times"
         )
 
 

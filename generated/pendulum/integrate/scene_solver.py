@@ -83,12 +83,12 @@ class SceneSolver:
             ``BAD_ARGUMENT``.
         """
         state[:] = 0.0
-        given = self.scene.parameters if parameters is None else parameters
-        if not _are_numbers(time, q, v, given):
+        values = self.scene.parameters if parameters is None else parameters
+        if not _are_numbers(time, q, v, values):
             return Status.BAD_ARGUMENT
         with np.errstate(all="ignore"):
             s, work = state_of(self.scene, state), Work(self.scene, workspace)
-            s.parameters[:] = given
+            s.parameters[:] = values
             work.w.prepare(s.parameters)
             if self.scene.has_design and not is_possible(work.w):
                 return Status.BAD_ARGUMENT
@@ -180,7 +180,7 @@ class SceneSolver:
             return self._run(settings, times, max_steps, s, work, rows)
 
     def _are_possible(self, settings: Settings, s: State) -> bool:
-        """Whether a run may be made so, and goes on with the method that it began with."""
+        """Whether settings are possible, and the method is that with which the run began."""
         is_kinematic = self.scene.is_driven and settings.is_kinematic
         if not (LEAST_TOLERANCE <= settings.tolerance < 1.0 and settings.largest_step > 0.0):
             return False
@@ -230,20 +230,20 @@ class SceneSolver:
 
         Those that end the run are told last, and of these the first ends it.
         """
-        left = np.flatnonzero(s.fired).tolist()
-        if not left:
+        fired = np.flatnonzero(s.fired).tolist()
+        if not fired:
             return Status.GOOD
         if len(rows) == 0:
             return Status.BUFFER_FULL
         status = write_row(m, settings, s.time, s, work, rows[0])
         if status != Status.GOOD:
             return status
-        is_stop = {k: ACTIONS[self.scene.events[k, 1]] == "stop" for k in left}
-        told = next((k for k in left if not is_stop[k]), left[-1])
-        s.event = 1.0 + told
-        if len(left) == 1 and is_stop[told]:
+        is_stop = {k: ACTIONS[self.scene.events[k, 1]] == "stop" for k in fired}
+        event = next((k for k in fired if not is_stop[k]), fired[-1])
+        s.event = 1.0 + event
+        if len(fired) == 1 and is_stop[event]:
             return Status.STOPPED
-        s.fired[told] = 0.0
+        s.fired[event] = 0.0
         return Status.EVENT
 
     def _advance(
@@ -305,13 +305,13 @@ class SceneSolver:
         It is left in the workspace (work_size,): what is where stands in ``motion.json``. Arguments
         as of :meth:`start`, q (nq,) and v (nv,) in SI units, the time in [s].
         """
-        given = self.scene.parameters if parameters is None else parameters
-        if not _are_numbers(time, q, v, given):
+        values = self.scene.parameters if parameters is None else parameters
+        if not _are_numbers(time, q, v, values):
             return Status.BAD_ARGUMENT
         work = Work(self.scene, workspace)
         w = work.w
         with np.errstate(all="ignore"):
-            w.prepare(given)
+            w.prepare(values)
             if self.scene.has_design and not is_possible(w):
                 return Status.BAD_ARGUMENT
             w.place(time, np.concatenate((q, v)))

@@ -155,23 +155,23 @@ class SceneTables:
     def __post_init__(self) -> None:
         kernels = [TaskKernel.read(*kernel) for kernel in self.kernels]
         tables = defaultdict(str, self.tables)
-        found: dict[str, object] = {
+        values: dict[str, object] = {
             "segments": {name: segment_of(kernels, text) for name, text in self.tasks.items()},
             "constants": numbers(tables["constants"]),
         }
         for name in ("parameters", "floors", "inverse_masses", "measure_sizes"):
-            found[name] = np.array(numbers(tables[name]))
+            values[name] = np.array(numbers(tables[name]))
         widths = {"shifts": 2, "turns": 3, "drivers": 2, "starts": 2, "events": 3, "rank_rows": 2}
         for name, width in widths.items():
-            found[name] = places(tables[name], width)
+            values[name] = places(tables[name], width)
         for name in ("feature_scales", "narrow_scales"):
-            found[name] = np.array(numbers(tables[name])).reshape(-1, 2)
+            values[name] = np.array(numbers(tables[name])).reshape(-1, 2)
         for name in ("mass_places", "positive"):
-            found[name] = places(tables[name], 1)[:, 0]
+            values[name] = places(tables[name], 1)[:, 0]
         for name, table in (("lengths", "is_length"), ("row_lengths", "row_is_length")):
-            found[name] = np.where(numbers(tables[table]), self.length, 1.0)
-        found["inverse_pivot_factors"] = (np.asarray(found["row_lengths"]) / self.length) ** 2
-        for name, value in found.items():
+            values[name] = np.where(numbers(tables[table]), self.length, 1.0)
+        values["inverse_pivot_factors"] = (np.asarray(values["row_lengths"]) / self.length) ** 2
+        for name, value in values.items():
             object.__setattr__(self, name, value)
 
     def size(self, region: str) -> int:
@@ -401,8 +401,8 @@ class Workspace:
         """
         self.run("move")
         if low is not None:
-            at, change = self.scene.shifts[: self.scene.added].T
-            low[at] += rounding_of_sum(self.q[at], self.dq[change], self.q_moved[at])
+            slots, change = self.scene.shifts[: self.scene.added].T
+            low[slots] += rounding_of_sum(self.q[slots], self.dq[change], self.q_moved[slots])
         self.q[:] = self.q_moved
 
     def size_of(self, u: Array) -> float:

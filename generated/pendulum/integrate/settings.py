@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from .methods import METHODS
 
-#: What runs may be told, and how many steps they make unless told otherwise.
+#: Options of a run, and how many steps it makes at most by default.
 OPTIONS = (
     *("tolerance", "method", "step", "largest_step", "checks", "most_steps", "parameters"),
     *("initial", "q0", "v0"),

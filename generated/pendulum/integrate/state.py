@@ -47,8 +47,8 @@ class Field(NamedTuple):
     def view(self, numbers: Array) -> Array:
         """Part of a state (state_size,) that the field is, in its shape and unit: a view."""
         size = math.prod(self.room)
-        whole = numbers[self.place : self.place + size].reshape(self.room)
-        return whole[tuple(slice(count) for count in self.shape)] if self.shape else whole
+        values = numbers[self.place : self.place + size].reshape(self.room)
+        return values[tuple(slice(count) for count in self.shape)] if self.shape else values
 
 
 class StateNumber:
@@ -244,18 +244,18 @@ def fields(sizes: Mapping[str, int]) -> tuple[Field, ...]:
         ``RANGED``.
     """
     known = {"LEVELS": LEVELS, **sizes}
-    found: list[Field] = []
+    ordered: list[Field] = []
     place = 0
     for name, record in _records():
         shape = tuple(known[axis] for axis in record.shape)
-        found.append(Field(name, place, shape, record.unit, record.meaning))
-        place += math.prod(found[-1].room)
-    return tuple(found)
+        ordered.append(Field(name, place, shape, record.unit, record.meaning))
+        place += math.prod(ordered[-1].room)
+    return tuple(ordered)
 
 
-def fields_as_data(found: Sequence[Field]) -> list[list[object]]:
+def fields_as_data(ordered: Sequence[Field]) -> list[list[object]]:
     """Fields ready for JSON, as :func:`fields_of` reads them."""
-    return [[one.name, one.place, list(one.shape), one.unit, one.meaning] for one in found]
+    return [[f.name, f.place, list(f.shape), f.unit, f.meaning] for f in ordered]
 
 
 def fields_of(data: Sequence[Sequence[Any]]) -> tuple[Field, ...]:

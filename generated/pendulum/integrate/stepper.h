@@ -30,7 +30,7 @@
  * and end at the same phases of a force that repeats, so that their errors have one sign and add
  * up, and the better estimate can be blind at just these. Of a half-wave of a sine in one step of
  * DOP853 it is 4 times too small; this is 10 times too large */
-#define LOCKED_ERROR_PART 4e-3
+#define WORSE_ERROR_PART 4e-3
 /* pivot ratios go with the square of the distance from a place where branches meet; a stage from
  * this part of the step on tells how */
 #define INNER_STAGE_PART 0.25
@@ -55,8 +55,8 @@
 /* by what errors are multiplied of steps from a place on where a force goes with t^p. Estimates
  * compare two results that are off alike there: the error is 64 times what they tell for p = 0.1,
  * 37 times for a square root and 11 times for p = 1.5, with many stages 7, 5 and 3 times */
-#define POWER_ERROR 40.0
-#define POWER_ERROR_OF_MANY_STAGES 5.0
+#define BLIND_ERROR 40.0
+#define BLIND_ERROR_OF_MANY_STAGES 5.0
 /* where the line through two roots leads to less than this part of the next one, the root may have
  * changed its sign in between */
 #define SIGN_CHANGE_PART 0.2
@@ -106,6 +106,7 @@ enum { TRACKS_ROOTS = HAS_REFINEMENT && !IS_DRIVEN };
 typedef struct {
     double h, end;                  /* its length, and where it ends [s] */
     double drift, error;            /* largest correction, error / tolerance */
+    double error_if_blind;          /* the error if estimates may be blind */
     double moved;                   /* the energy that has moved at its end, if rows are checked */
     double least_ratio, most_ratio; /* of the pivot ratios of its stages */
     double inner_ratio, inner;      /* that of one inside, and at which part of the step it is */
@@ -263,15 +264,17 @@ static int tells_drift(const Trial *trial, const State *s)
     return trial->least_ratio >= CLEAR_PIVOT_RATIO * s->largest_pivot_ratio;
 }
 
-/* the error of a step, in units of the tolerance; locked from a switch to the next */
-static double local_error(const Method *m, const Trial *trial, int is_locked, const State *s,
-    Work *work, double tolerance)
+/* the error of a step, in units of the tolerance, and the same where the better of two estimates
+ * may be blind */
+static double local_error(const Method *m, const Trial *trial, const State *s, Work *work,
+    double tolerance, double *worse)
 {
-    const double e = estimate(m, m->error, trial, s, work, tolerance);
+    const double e = *worse = estimate(m, m->error, trial, s, work, tolerance);
     if (!m->error_2 || e * e == 0.0) return e;
     const double e2 = estimate(m, m->error_2, trial, s, work, tolerance);
     const double best = e * e / sqrt(e * e + WORSE_ESTIMATE_PART * e2 * e2);
-    return is_locked ? larger(best, LOCKED_ERROR_PART * e2) : best;
+    *worse = larger(best, WORSE_ERROR_PART * e2);
+    return best;
 }
 
 /* the n-th stage of a step: y on the manifold, or near enough to it, and its derivative; 0 where
@@ -564,13 +567,12 @@ static int is_made(Attempts *tried, Trial *trial, Work *work, State *s)
     return 1;
 }
 
-/* a factor of the error of a trial, more than 1 beside a fractional power of what is zero: a force
- * has no two derivatives there, and estimates of errors from there on are too small */
-static double near_fractional_power(const Attempts *tried, const Trial *trial, const State *s)
+/* whether a trial is beside a fractional power of what is zero: a force has no two derivatives
+ * there, and estimates of errors from there on are too small */
+static int is_near_power(const Attempts *tried, const Trial *trial, const State *s)
 {
-    const int beside = s->time - s->switched < trial->h || trial->end == tried->search.cut;
-    if (!(HAS_FRACTIONAL_POWERS && beside)) return 1.0;
-    return tried->m->stages >= MANY_STAGES ? POWER_ERROR_OF_MANY_STAGES : POWER_ERROR;
+    if (!HAS_FRACTIONAL_POWERS) return 0;
+    return s->time - s->switched < trial->h || trial->end == tried->search.cut;
 }
 
 /* finds the error of a trial whose stages are all there, and what else its end tells: its geometry
@@ -585,8 +587,9 @@ static void find_error(const Attempts *tried, Trial *trial, Work *work, State *s
         trial->moved = energy_moved(work->w, work->y, s);
     }
     if (tried->is_fixed) {
+        double worse;
         trial->is_vague = N_FUNCTIONS > 0 &&
-                          !(local_error(m, trial, 0, s, work, LEAST_PART) <= 1.0);
+                          !(local_error(m, trial, s, work, LEAST_PART, &worse) <= 1.0);
     } else {
         const int is_behind = s->time == s->switched;
         const int is_locked = trial->is_last && is_behind &&
@@ -594,8 +597,15 @@ static void find_error(const Attempts *tried, Trial *trial, Work *work, State *s
         const int is_close = is_locked || (is_behind && N_FUNCTIONS > 0 && N_BREAKS == 0);
         const double tolerance = is_close ? smaller(settings->tolerance, LOOSEST_AT_SWITCH)
                                           : settings->tolerance;
-        trial->error = local_error(m, trial, is_locked, s, work, tolerance) *
-                       near_fractional_power(tried, trial, s);
+        const double blind = m->stages >= MANY_STAGES ? BLIND_ERROR_OF_MANY_STAGES : BLIND_ERROR;
+        double worse;
+        const double best = local_error(m, trial, s, work, tolerance, &worse);
+        trial->error = (is_locked ? worse : best) * (is_near_power(tried, trial, s) ? blind : 1.0);
+        trial->error_if_blind = blind * worse;
+        /* of what varies with the state the polynomial is asked, later */
+        if (N_FEATURES > 0 && is_kept(trial) && trial->error_if_blind > 1.0 &&
+            sampling_in(settings->tolerance, s->time, trial->end, work->w) == COARSE)
+            trial->error = trial->error_if_blind;
         if (tells_drift(trial, s)) {
             const double most = MOST_DRIFT * larger(settings->tolerance, LEAST_DRIFT);
             trial->error = larger(trial->drift / most, trial->error);
@@ -705,22 +715,29 @@ static double crossing_in(Attempts *tried, Trial *trial, Work *work, State *s)
 }
 
 /* where a trial must end so that samples tell up to a time how narrow parts vary; noted where it
- * cannot be shorter for that */
-static double resolved_in(double until, Attempts *tried, const Trial *trial, Work *work, State *s)
+ * cannot be shorter for that. Where they are few it has the error of blind estimates: those of a
+ * step that ends beside the middle of a steep rise have been a hundredth of a tolerance where it
+ * was off by 500, as stages lie on both sides */
+static double resolved_in(double until, Attempts *tried, Trial *trial, Work *work, State *s)
 {
     Search *search = &tried->search;
+    double to = trial->end;
     if (N_NARROW == 0 || !is_kept(trial)) return trial->end;
     if (search->is_over && until <= search->place_cut) return trial->end;
+    search->is_coarse = 0;
     if (tried->shorter++ < MOST_SHORTER) {
         /* for less the next trial has no digits */
         const double tiny = SMALLEST * larger(fabs(s->time), fabs(tried->end));
         const double there = larger(resolved_end(until, search, s, work), s->time + ONWARD * tiny);
-        return there < until ? there : trial->end;
+        to = there < until ? there : trial->end;
+    } else {
+        search->is_unresolved = search->is_unresolved ||
+                                (!are_narrow_resolved(s->time, until, search, s, work) &&
+                                    !is_at_pole(1, s->time, until, search, s, work));
     }
-    search->is_unresolved = search->is_unresolved ||
-                            (!are_narrow_resolved(s->time, until, search, s, work) &&
-                                !is_at_pole(1, s->time, until, search, s, work));
-    return trial->end;
+    if (search->is_coarse && until == trial->end && to == until && !tried->is_fixed)
+        trial->error = larger(trial->error, trial->error_if_blind);
+    return to;
 }
 
 /* where a trial must end so that its polynomial meets up to a time what its stages do. Where it

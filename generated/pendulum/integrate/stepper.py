@@ -11,6 +11,7 @@ import numpy as np
 from .arithmetic import larger, mean_square, rounding_of_sum, smaller
 from .branches import LEAPS, STAYS, follow_branch, note_branch
 from .crossing import (
+    COARSE,
     LOOSEST_AT_SWITCH,
     ONWARD,
     SMALLEST,
@@ -48,6 +49,7 @@ from .projection import (
 )
 from .row_switch import check_misses, forget_trials, note_misses
 from .settings import NOTHING_MOVES, Status
+from .switching import sampling_in
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -58,9 +60,9 @@ if TYPE_CHECKING:
     from .settings import Settings
     from .state import State
 
-#: What may be left of the constraints at a stage inside of a step, in units of the tolerance.
+#: Correction that may be left at a stage inside of a step, in units of the tolerance.
 STAGE_RESIDUAL = 1e-3
-#: How often a step is made shorter that has a stage where rows are nearly dependent, how much.
+#: How often a step with a stage where rows are nearly dependent is made shorter, and its factor.
 MOST_AVOIDED = 8
 AVOIDING_STEP_PART = 0.9
 #: How often a step is made shorter for what varies with the state.
@@ -74,20 +76,20 @@ LEAST_PART = 0.02
 MOST_POLISHED = 3
 #: The largest correction of a step where drivers lead.
 MOST_DRIVEN_CORRECTION = 1e-3
-#: This part of what is normal to the constraints does not count as an error; nothing of it does
-#: where drivers lead, which is exact, and at a pivot ratio this much smaller than the largest so
-#: far, where it is rounding.
+#: This part of the normal component of an error does not count; nothing of it does where drivers
+#: lead, which is exact, and at a pivot ratio this much smaller than the largest so far, where it is
+#: rounding.
 FORGIVEN_NORMAL_PART = 0.5
 CLEAR_PIVOT_RATIO = 1e-3
-#: What a step may be off the constraints, in tolerances, and the least of these: half of what is
-#: trusted. Estimates can be blind where bodies turn by some radians in a step, this is not.
+#: Largest drift of a step off the constraints, in tolerances, and the least of these: half of what
+#: is trusted. Estimates can be blind where bodies turn by some radians in a step, this is not.
 MOST_DRIFT = 50.0
 LEAST_DRIFT = 1e-11
-#: What the worse of two estimates counts, of a step from a switch to the next: such steps begin and
-#: end at the same phases of a force that repeats, so that their errors have one sign and add up,
-#: and the better estimate can be blind at just these. Of a half-wave of a sine in one step of
-#: DOP853 it is 4 times too small; this is 10 times too large.
-LOCKED_ERROR_PART = 4e-3
+#: Weight of the worse of two estimates where the better may be blind. Steps from a switch to the
+#: next begin and end at the same phases of a force that repeats, so that their errors have one sign
+#: and add up. Of a half-wave of a sine in one step of DOP853 the better one is 4 times too small;
+#: this is 10 times too large. Over a steep rise of a force both have been blind.
+WORSE_ERROR_PART = 4e-3
 #: Pivot ratios go with the square of the distance from a place where branches meet; a stage from
 #: this part of the step on tells how.
 INNER_STAGE_PART = 0.25
@@ -109,11 +111,12 @@ LONGEST_IF_LOOSE = 1.2
 MANY_STAGES = 12
 LONGEST_OF_MANY_STAGES = 1.5
 LEVEL_RATIO_PART = 0.999
-#: By what errors are multiplied of steps from a place on where a force goes with t^p. Estimates
-#: compare two results that are off alike there: the error is 64 times what they tell for p = 0.1,
-#: 37 times for a square root and 11 times for p = 1.5, with many stages 7, 5 and 3 times.
-POWER_ERROR = 40.0
-POWER_ERROR_OF_MANY_STAGES = 5.0
+#: Factors of errors of steps whose estimates compare two results that are off alike.
+#: So they do from a place on where a force goes with t^p: the error is 64 times what they tell for
+#: p = 0.1, 37 times for a square root and 11 times for p = 1.5, with many stages 7, 5 and 3 times.
+#: Of steps over steep rises of forces it is more than 100 times that in one of 200, without this.
+BLIND_ERROR = 40.0
+BLIND_ERROR_OF_MANY_STAGES = 5.0
 #: Where the line through two roots leads to less than this part of the next one, the root may have
 #: changed its sign in between.
 SIGN_CHANGE_PART = 0.2
@@ -168,6 +171,8 @@ class Trial:
         Whether it ends where the step does at most.
     drift, error : float
         Largest correction, negative where a stage is impossible; error in units of the tolerance.
+    error_if_blind : float
+        The error if estimates may be blind.
     moved : float [J]
         The energy that has moved at its end, where rows are checked or there are works.
     least_ratio, most_ratio, last_ratio : float
@@ -196,6 +201,7 @@ class Trial:
     is_last: bool
     drift: float = 0.0
     error: float = 0.0
+    error_if_blind: float = 0.0
     moved: float = 0.0
     least_ratio: float = 1.0
     most_ratio: float = 0.0
@@ -268,9 +274,9 @@ def is_kept(trial: Trial) -> bool:
 
 
 def add_to_start(start: Array, y: Array, low: Array | None) -> None:
-    """Add y (ny,) to what it starts from (ny,): a small sum, so that y is rounded once.
+    """Add the start (ny,) of a step to an increment y (ny,), a small sum, rounded once.
 
-    What that leaves over goes to low (ny,) if it is not None.
+    The remainder of that rounding goes to low (ny,) if it is not None.
     """
     total = start + y
     if low is not None:
@@ -285,13 +291,12 @@ def fastest(end: Array, state: State, work: Work) -> float:
 
 
 def usual_rate(h: float, end: Array, state: State, work: Work) -> float:
-    """Rate that those of a step are compared with, in lengths of the scene and radians [1/s].
+    """Rate that rates of a step are compared with, in lengths of the scene and radians [1/s].
 
-    It is told by the motion up to the end (ny,) of a step of h [s]: in other units of time it is
-    the same.
+    It is that of the motion up to the end (ny,) of a step of h [s], the same in all units of time.
     """
-    known = fastest(end, state, work)
-    return smaller(USUAL_STEP_MOTION / h, larger(NOTHING_MOVES / larger(state.stride, h), known))
+    speed = fastest(end, state, work)
+    return smaller(USUAL_STEP_MOTION / h, larger(NOTHING_MOVES / larger(state.stride, h), speed))
 
 
 def note_motion(h: float, end: Array, state: State, work: Work) -> None:
@@ -301,11 +306,11 @@ def note_motion(h: float, end: Array, state: State, work: Work) -> None:
 
 
 def note_extent(end: Array, work: Work, state: State) -> None:
-    """Note how far coordinates go, those too that rows show, which were found at the end (ny,)."""
+    """Note the ranges of coordinates, also of those that rows show, at the end (ny,) of a step."""
     scene, w = work.scene, work.w
-    found = np.concatenate((end[: scene.nq], w.coordinates[:: scene.per_shown]))
-    state.lowest[:] = np.where(found < state.lowest, found, state.lowest)
-    state.highest[:] = np.where(found > state.highest, found, state.highest)
+    reached = np.concatenate((end[: scene.nq], w.coordinates[:: scene.per_shown]))
+    state.lowest[:] = np.where(reached < state.lowest, reached, state.lowest)
+    state.highest[:] = np.where(reached > state.highest, reached, state.highest)
 
 
 def usual_energy(rate: float, scene: SceneTables) -> float:
@@ -361,7 +366,7 @@ def estimate(
 ) -> float:
     """Root mean square of one estimate of the error, in units of the tolerance.
 
-    A row (stages + 1,) [-] of the method is what derivatives at stages count in it.
+    A row (stages + 1,) [-] of the method has the weights of derivatives at stages.
     """
     scene, now, end, error = work.scene, state.y, work.y, work.scratch
     nq, nv = scene.nq, scene.nv
@@ -377,17 +382,17 @@ def estimate(
         take_normal_part(FORGIVEN_NORMAL_PART if is_clear else 1.0, end[nq:], work, u)
     errors[0] /= scene.lengths
     errors[1] /= rate * scene.lengths + np.maximum(np.abs(now[nq:]), np.abs(end[nq:]))
-    done = slice(nq - scene.works, nq)  # work is compared with the energy that moves
+    works = slice(nq - scene.works, nq)  # work is compared with the energy that moves
     # where the polynomial has an order less works between steps are no better
     moved = (1.0 if m.order == 5 else MOST_MOVED) * larger(state.moved, trial.moved)
     least = energy_of_works(trial.h, end, moved, state, work) + work.w.energies[0]
-    size = least + np.maximum(np.abs(now[done]), np.abs(end[done]))
-    every = np.concatenate((errors.ravel(), error[done] / size))
-    return math.sqrt(mean_square(every, 2 * nv)) / tolerance
+    size = least + np.maximum(np.abs(now[works]), np.abs(end[works]))
+    all_errors = np.concatenate((errors.ravel(), error[works] / size))
+    return math.sqrt(mean_square(all_errors, 2 * nv)) / tolerance
 
 
 def tells_drift(trial: Trial, state: State, work: Work) -> bool:
-    """Whether what a step is off the constraints tells of its error.
+    """Whether the drift of a step off the constraints tells of its error.
 
     Neither drivers nor rows that take over lead it there, and it is no rounding.
     """
@@ -402,23 +407,21 @@ def local_error(
     state: State,
     work: Work,
     tolerance: float,
-    *,
-    is_locked: bool = False,
-) -> float:
-    """Error of a step, in units of the tolerance; locked from a switch to the next."""
+) -> tuple[float, float]:
+    """Error of a step, in units of the tolerance, and if the better of two estimates is blind."""
     e = estimate(m, m.errors[0], trial, state, work, tolerance)
     if len(m.errors) == 1 or e * e == 0.0:
-        return e
+        return e, e
     e2 = estimate(m, m.errors[1], trial, state, work, tolerance)
     best = e * e / math.sqrt(e * e + WORSE_ESTIMATE_PART * e2 * e2)
-    return larger(best, LOCKED_ERROR_PART * e2) if is_locked else best
+    return best, larger(best, WORSE_ERROR_PART * e2)
 
 
 def stage(
     m: RungeKuttaMethod,
     n: int,
     h: float,
-    enough: float,
+    tolerance: float,
     y: Array,
     low: Array | None,
     work: Work,
@@ -431,7 +434,7 @@ def stage(
     """
     combine(n, m.a[n], state.low, h, work.k, y)
     add_to_start(state.y, y, low)
-    return project(state.time + m.c[n] * h, enough, y, low, work.k[n], work, state)
+    return project(state.time + m.c[n] * h, tolerance, y, low, work.k[n], work, state)
 
 
 def norm_error(m: RungeKuttaMethod, h: float, state: State, work: Work) -> float:
@@ -439,15 +442,15 @@ def norm_error(m: RungeKuttaMethod, h: float, state: State, work: Work) -> float
 
     Where steps are fixed no other error tells that bodies turn too far in one.
     """
-    y, most = work.scratch, 0.0
+    y, error = work.scratch, 0.0
     combine(m.stages, m.a[m.stages], state.low, h, work.k, y)
     add_to_start(state.y, y, None)
-    for place, _, count in work.scene.turns:
+    for index, _, count in work.scene.turns:
         square = 0.0
-        for x in y[place : place + count].tolist():
+        for x in y[index : index + count].tolist():
             square += x * x
-        most = larger(most, abs(math.sqrt(square) - 1.0))
-    return most
+        error = larger(error, abs(math.sqrt(square) - 1.0))
+    return error
 
 
 def note_root(part: float, root: float, trial: Trial) -> None:
@@ -490,8 +493,8 @@ def make_stages(
             note_root(-state.stage_before / trial.h, state.root_before, trial)
     for n in range(1, m.stages + 1):
         low = None if n < m.stages else work.low
-        enough = STAGE_RESIDUAL * tolerance if low is None else 0.0
-        trial.drift = stage(m, n, trial.h, enough, work.y, low, work, state)
+        allowed = STAGE_RESIDUAL * tolerance if low is None else 0.0
+        trial.drift = stage(m, n, trial.h, allowed, work.y, low, work, state)
         if trial.drift >= 0.0 and low is not None:
             check_digits(work.k[n], work, state)
         note_stage_ratios(m.c[n], trial, work, state)
@@ -515,18 +518,18 @@ def is_thrown_off(m: RungeKuttaMethod, trial: Trial, work: Work) -> bool:
     Its polynomial is thrown off, and it is too long for what its error does not tell.
     """
     nq, size_of, weights = work.scene.nq, work.w.size_of, (*m.a[m.stages], 1.0)
-    most, beside = size_of(work.y[nq:]) / trial.h, 0.0
+    counted, uncounted = size_of(work.y[nq:]) / trial.h, 0.0
     for n in range(m.all):
         size = size_of(work.k[n][nq:])
         if n <= m.stages and weights[n] != 0.0:
-            most = larger(most, size)
+            counted = larger(counted, size)
         else:
-            beside = larger(beside, size)
-    return beside > THROWN_OFF * most
+            uncounted = larger(uncounted, size)
+    return uncounted > THROWN_OFF * counted
 
 
 def least_of_parabola(trial: Trial, state: State) -> float:
-    """Least of a parabola through pivot ratios of a step, and of those of its stages."""
+    """Minimum of a parabola through pivot ratios of a step, and of those of its stages."""
     first, last, x = state.position_ratio, trial.end_ratio, trial.inner
     quadratic = ((trial.inner_ratio - first) / x - (last - first)) / (x - 1.0)
     slope = last - first - quadratic
@@ -566,8 +569,8 @@ def sign_change(trial: Trial) -> tuple[float, float]:
     x, r = trial.parts, trial.roots
     part, slope, least = 0.0, 0.0, math.inf
     for k in range(len(x) - 1):
-        width, both = x[k + 1] - x[k], r[k] + r[k + 1]
-        if not x[k + 1] > 0.0 or not both < least:
+        width, total = x[k + 1] - x[k], r[k] + r[k + 1]
+        if not x[k + 1] > 0.0 or not total < least:
             continue
         ahead, back = math.inf, math.inf
         if k > 0:
@@ -575,7 +578,7 @@ def sign_change(trial: Trial) -> tuple[float, float]:
         if k + 2 < len(x):
             back = r[k + 1] - width * (r[k + 2] - r[k + 1]) / (x[k + 2] - x[k + 1])
         if ahead < SIGN_CHANGE_PART * r[k + 1] or back < SIGN_CHANGE_PART * r[k]:
-            part, slope, least = x[k] + width * meeting_part(r[k], r[k + 1]), both / width, both
+            part, slope, least = x[k] + width * meeting_part(r[k], r[k + 1]), total / width, total
     return part, slope
 
 
@@ -593,11 +596,11 @@ def longest_way(tried: Attempts, trial: Trial, work: Work, state: State) -> floa
 
 def is_short(longest: float, trial: Trial, state: State, work: Work) -> bool:
     """Whether a step is no longer than the longest way: else it is made again."""
-    way = work.w.way_of(trial.h, state.y, work.y) if longest < math.inf else 0.0
-    if not way > longest:
+    travel = work.w.way_of(trial.h, state.y, work.y) if longest < math.inf else 0.0
+    if not travel > longest:
         return True
     if work.scene.is_driven:  # free bodies pass places where branches meet by momentum
-        trial.longest = LIMITED_STEP_PART * trial.h * (longest / way)
+        trial.longest = LIMITED_STEP_PART * trial.h * (longest / travel)
     return False
 
 
@@ -632,11 +635,11 @@ def accept(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
         before = larger(state.error, LEAST_EARLIER_ERROR)
         factor = SAFETY * error ** (-ERROR_EXPONENT * exponent)
         factor *= before ** (EARLIER_ERROR_EXPONENT * exponent)
-    most = 1.0 if tried.is_rejected else MOST_STEP_FACTOR
-    following = h * smaller(most, larger(LEAST_STEP_FACTOR, factor))
-    way, speed = longest_way(tried, trial, work, state), work.w.size_of(work.y[work.scene.nq :])
-    if work.scene.is_driven and way < math.inf and speed > 0.0:  # what is longer is made in vain
-        following = smaller(following, LIMITED_STEP_PART * way / speed)
+    largest_factor = 1.0 if tried.is_rejected else MOST_STEP_FACTOR
+    following = h * smaller(largest_factor, larger(LEAST_STEP_FACTOR, factor))
+    limit, speed = longest_way(tried, trial, work, state), work.w.size_of(work.y[work.scene.nq :])
+    if work.scene.is_driven and limit < math.inf and speed > 0.0:  # what is longer is made in vain
+        following = smaller(following, LIMITED_STEP_PART * limit / speed)
     # over a jump its error tells nothing of what is behind: that is tried before a run stops
     least = ONWARD * SMALLEST * larger(abs(trial.end), abs(tried.limit))
     following = larger(following, least)
@@ -665,7 +668,7 @@ def accept(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
 
 
 def next_trial(tried: Attempts, state: State) -> Trial:
-    """Trial of the length that is next, no longer than to where the step ends at most."""
+    """Next trial, no longer than to where the step ends at most."""
     h = smaller(state.step_size, tried.s.largest_step)
     if tried.is_fixed and tried.avoided == 0:
         h = tried.s.fixed_step
@@ -693,8 +696,8 @@ def is_made(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
     if work.scene.has_drivers and not tried.is_fixed and trial.drift > MOST_DRIVEN_CORRECTION:
         trial.is_good = False  # no error tells how far drivers led
     if tried.is_fixed and not trial.is_good:
-        there = smaller(trial.least_ratio, ratio_at(work.y[: work.scene.nq], work, state))
-        if not is_weak(there, tried, state):  # Newton has gone far away
+        ratio = smaller(trial.least_ratio, ratio_at(work.y[: work.scene.nq], work, state))
+        if not is_weak(ratio, tried, state):  # Newton has gone far away
             tried.status = Status.NOT_PROJECTED
             return False
         trial.least_ratio = 0.0
@@ -706,19 +709,17 @@ def is_made(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
     return True
 
 
-def near_fractional_power(tried: Attempts, trial: Trial, work: Work, state: State) -> float:
-    """Factor [-] of the error of a trial: more than 1 beside a fractional power of what is zero.
+def is_near_power(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
+    """Whether a trial is beside a fractional power of what is zero.
 
     A force has no two derivatives there, and estimates of errors from there on are too small.
     """
-    beside = state.time - state.switched < trial.h or trial.end == tried.search.cut
-    if not (work.scene.has_fractional_powers and beside):
-        return 1.0
-    return POWER_ERROR_OF_MANY_STAGES if tried.m.stages >= MANY_STAGES else POWER_ERROR
+    is_beside = state.time - state.switched < trial.h or trial.end == tried.search.cut
+    return work.scene.has_fractional_powers and is_beside
 
 
 def find_error(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
-    """Find the error of a trial whose end is in the workspace, and what else that tells."""
+    """Find the error of a trial whose end is in the workspace, and the energy that has moved."""
     m, s = tried.m, tried.s
     if tried.is_fixed:
         trial.drift = larger(trial.drift, norm_error(m, trial.h, state, work))
@@ -727,7 +728,7 @@ def find_error(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
         trial.moved = energy_moved(work.y, work, state)
     if tried.is_fixed:
         is_seen = work.scene.has_functions
-        trial.is_vague = is_seen and not local_error(m, trial, state, work, LEAST_PART) <= 1.0
+        trial.is_vague = is_seen and not local_error(m, trial, state, work, LEAST_PART)[0] <= 1.0
     else:
         is_behind = state.time == state.switched
         has_kinks = work.scene.has_functions and work.scene.n_breaks == 0
@@ -735,11 +736,18 @@ def find_error(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
         is_locked = is_locked and tried.end in {state.limit, tried.search.cut}
         is_close = is_locked or (is_behind and has_kinks)
         tolerance = smaller(s.tolerance, LOOSEST_AT_SWITCH) if is_close else s.tolerance
-        trial.error = local_error(m, trial, state, work, tolerance, is_locked=is_locked)
-        trial.error *= near_fractional_power(tried, trial, work, state)
+        blind = BLIND_ERROR_OF_MANY_STAGES if m.stages >= MANY_STAGES else BLIND_ERROR
+        best, worse = local_error(m, trial, state, work, tolerance)
+        trial.error = worse if is_locked else best
+        trial.error *= blind if is_near_power(tried, trial, work, state) else 1.0
+        trial.error_if_blind = blind * worse
+        # of what varies with the state the polynomial is asked, later
+        if work.scene.has_features and is_kept(trial) and trial.error_if_blind > 1.0:
+            sampling = sampling_in(s.tolerance, state.time, trial.end, work.w)
+            trial.error = trial.error_if_blind if sampling == COARSE else trial.error
         if tells_drift(trial, state, work):
-            most = MOST_DRIFT * larger(s.tolerance, LEAST_DRIFT)
-            trial.error = larger(trial.drift / most, trial.error)
+            largest_drift = MOST_DRIFT * larger(s.tolerance, LEAST_DRIFT)
+            trial.error = larger(trial.drift / largest_drift, trial.error)
     if is_kept(trial):
         note_largest_pivot(work, state)
         work.w.run("coordinate")
@@ -747,7 +755,7 @@ def find_error(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
 
 
 def is_clear(tried: Attempts, trial: Trial, state: State) -> bool:
-    """Whether rows are independent at the stages of a trial: else others lie elsewhere."""
+    """Whether rows are independent at the stages of a trial: else the next has others."""
     if not (trial.is_good or tried.is_fixed) or not is_weak(trial.least_ratio, tried, state):
         return True
     if trial.least_ratio > 0.0 and is_weak(trial.most_ratio, tried, state):
@@ -769,7 +777,7 @@ def is_clear(tried: Attempts, trial: Trial, state: State) -> bool:
 
 
 def is_tried(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
-    """Try a step, but for what is seen in it; return False where that tells nothing."""
+    """Make a trial and its error, not what crosses in it; return False where it tells nothing."""
     if not is_made(tried, trial, work, state):
         return False
     if trial.is_good:
@@ -841,22 +849,31 @@ def crossing_in(tried: Attempts, trial: Trial, work: Work, state: State) -> floa
 
 
 def resolved_in(until: float, tried: Attempts, trial: Trial, work: Work, state: State) -> float:
-    """Time [s] at which a trial must end so that samples up to a time resolve narrow parts."""
-    search = tried.search
+    """Time [s] at which a trial must end so that samples up to a time resolve narrow parts.
+
+    Where they are few it has the error of blind estimates: those of a step that ends beside the
+    middle of a steep rise have been a hundredth of a tolerance where it was off by 500, as stages
+    lie on both sides.
+    """
+    search, to = tried.search, trial.end
     if not work.scene.has_narrow or not is_kept(trial):
         return trial.end
     if search.is_over and until <= search.place_cut:
         return trial.end
+    search.is_coarse = False
     if tried.shorter < MOST_SHORTER:
         tried.shorter += 1
         # for less the next trial has no digits
         tiny = SMALLEST * larger(abs(state.time), abs(tried.end))
-        there = larger(resolved_end(until, search), state.time + ONWARD * tiny)
-        return there if there < until else trial.end
-    is_resolved = are_narrow_resolved(state.time, until, search)
-    is_resolved = is_resolved or is_at_pole(state.time, until, search, in_between=True)
-    search.is_unresolved = search.is_unresolved or not is_resolved
-    return trial.end
+        end = larger(resolved_end(until, search), state.time + ONWARD * tiny)
+        to = end if end < until else trial.end
+    else:
+        is_resolved = are_narrow_resolved(state.time, until, search)
+        is_resolved = is_resolved or is_at_pole(state.time, until, search, in_between=True)
+        search.is_unresolved = search.is_unresolved or not is_resolved
+    if search.is_coarse and until == trial.end == to and not tried.is_fixed:
+        trial.error = larger(trial.error, trial.error_if_blind)
+    return to
 
 
 def met_in(until: float, tried: Attempts, trial: Trial) -> float:
@@ -887,16 +904,16 @@ def is_at_event(tried: Attempts, trial: Trial, state: State) -> bool:
     if tried.polished >= MOST_POLISHED:
         return True
     tried.polished += 1
-    there = smaller(polished_cut(search), tried.limit)
-    if not abs(there - end) > 4.0 * SMALLEST * abs(end):
+    root = smaller(polished_cut(search), tried.limit)
+    if not abs(root - end) > 4.0 * SMALLEST * abs(end):
         return True
-    tried.end = search.cut = there
-    state.step_size = larger(state.step_size, there - state.time)
+    tried.end = search.cut = root
+    state.step_size = larger(state.step_size, root - state.time)
     return False
 
 
 def length_by_error(m: RungeKuttaMethod, trial: Trial) -> float:
-    """Length [s] of a step that meets the tolerance, where a trial does not, or its branch."""
+    """Length [s] of the next trial, where one does not meet the tolerance or find its branch."""
     factor = LEAST_STEP_FACTOR
     if trial.longest > 0.0:
         return trial.longest
@@ -907,13 +924,13 @@ def length_by_error(m: RungeKuttaMethod, trial: Trial) -> float:
 
 def end_at(to: float, tried: Attempts, trial: Trial, state: State) -> None:
     """Have a step end at a time when it is tried again; one that is cut can be longer still."""
-    way = to - state.time
+    span = to - state.time
     tried.is_guessed = tried.is_guessed or to != tried.search.place_cut
     if tried.is_fixed:
         tried.end, tried.is_beyond = to, False
     state.rejected += 1
     size = state.step_size if is_kept(trial) else length_by_error(tried.m, trial)
-    state.step_size = larger(size, way) if to == tried.search.cut else way
+    state.step_size = larger(size, span) if to == tried.search.cut else span
 
 
 def ends_well(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
@@ -943,7 +960,7 @@ def ends_well(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
 
 
 def keep(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
-    """Keep a trial, and note what was seen in it."""
+    """Keep a trial, and note its crossings, and narrow parts that it leaves open."""
     search, before = tried.search, state.step_size
     accept(tried, trial, work, state)
     if not work.scene.is_searched:

@@ -442,36 +442,33 @@ static double even_end(double h, double end, const State *s)
     return is_between && h < way && way < 2.0 * h ? s->time + 0.5 * way : end;
 }
 
-/* whether samples of an interval tell how parts vary: their rates change as little */
-static int is_resolved(double tolerance, double first, double last, double *w)
+/* how well samples of an interval tell how parts vary with time */
+static int sampling_in(double tolerance, double first, double last, double *w)
 {
-    double least[ROOM(N_FEATURES)], most[ROOM(N_FEATURES)], change[ROOM(N_FEATURES)];
+    Variation variations[ROOM(N_FEATURES)];
     const double h = (last - first) / PIECES, *features = w + W_FEATURES;
+    int is_coarse = 0;
     bounds_between(first, first, w);
-    for (size_t k = 0; k != N_FEATURES; ++k) {
-        least[k] = most[k] = features[4 * k];
-        change[k] = 0.0;
-    }
+    for (size_t k = 0; k != N_FEATURES; ++k) begin_variation(features[4 * k], &variations[k]);
     for (int piece = 0; piece != PIECES; ++piece) {
-        const double a = first + piece * h, b = first + (piece + 1) * h;
-        bounds_between(a, b, w);
-        for (size_t k = 0; k != N_FEATURES; ++k) {
-            change[k] += h * (features[4 * k + 3] - features[4 * k + 2]);
-        }
+        double bounds[ROOM(4 * N_FEATURES)];
+        const double b = first + (piece + 1) * h;
+        bounds_between(first + piece * h, b, w);
+        for (size_t k = 0; k != 4 * N_FEATURES; ++k) bounds[k] = features[k];
         bounds_between(b, b, w);
         for (size_t k = 0; k != N_FEATURES; ++k) {
-            least[k] = smaller(features[4 * k], least[k]);
-            most[k] = larger(features[4 * k], most[k]);
+            add_cell(h, features[4 * k], bounds + 4 * k, &variations[k]);
         }
     }
     for (size_t k = 0; k != N_FEATURES; ++k) {
-        const double largest = larger(-least[k], most[k]);
-        const double enough = EXPLAINED * (most[k] - least[k]) + negligible_variation(largest,
-                                                                     feature_scales[k], tolerance,
-                                                                     first, last);
-        if (!(change[k] <= enough)) return 0;
+        const double size = larger(-variations[k].least, variations[k].most);
+        const double nothing = negligible_variation(
+            size, feature_scales[k], tolerance, first, last);
+        const int sampling = sampling_of(&variations[k], size, 0, nothing);
+        if (sampling == UNRESOLVED) return UNRESOLVED;
+        is_coarse = is_coarse || sampling == COARSE;
     }
-    return 1;
+    return is_coarse ? COARSE : RESOLVED;
 }
 
 /* where a step of length h must end, at most at an end: no longer than a part of the intervals that
@@ -490,7 +487,7 @@ static double resolved_step(
     size_t n = 0;
     for (; n != MOST_INTERVALS; ++n) {
         const double last = first + width;
-        const int good = is_resolved(tolerance, first, last, work->w);
+        const int good = sampling_in(tolerance, first, last, work->w) != UNRESOLVED;
         if (!good && width > FINEST * whole) {
             width = 0.5 * width;
             continue;

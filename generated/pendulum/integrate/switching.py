@@ -15,10 +15,12 @@ import numpy as np
 
 from .arithmetic import larger, smaller
 from .crossing import (
-    EXPLAINED,
     FINEST,
     FURTHER,
     SMALLEST,
+    UNRESOLVED,
+    add_cell,
+    begin_variation,
     evaluate_node,
     half_width,
     largest,
@@ -26,8 +28,8 @@ from .crossing import (
     negligible_variation,
     note_unresolved,
     read_of,
+    sampling_of,
     side_at,
-    smallest,
     stays_positive,
 )
 from .pivot_monitor import scale_by_distance
@@ -54,18 +56,18 @@ SHORT = 1e-4
 GROWTH = 10.0
 FORGETTING = 0.9999
 LONG = 0.1
-#: How far on both sides of a switch the laws of drivers are looked at, in parts of the time: one
-#: of these tells that they go on smoothly. What rounding leaves of them, relative to what they are.
+#: Distances on both sides of a switch at which laws of drivers are looked at, in parts of the time:
+#: at one of them they go on smoothly. Rounding of laws, relative to their values.
 FAR_BESIDE = 1e-6
 BESIDE = 1e-7
 EQUAL = 1e-12
 #: How far behind a switch a force has a value, in parts of the time, if it has one.
 FURTHEST_BEHIND = 1e-12
-#: How much the third derivative may be beyond that on the sides.
+#: Factor by which the third derivative may exceed that on the sides.
 BENDING = 4.0
 #: Where forces may be too steep for doubles bodies are displaced by rounding, and by so many times
-#: that. What explains changes of both but for this part is a slope, or a kink. What is pushed back
-#: so many times as far as it is displaced until the end swings: once and a half or more often.
+#: that. Changes by both are those of a slope, or of a kink, but for these parts. What is pushed
+#: back so many times as far as it is displaced until the end swings: once and a half or more often.
 FAR_BY_ROUNDING = 16.0
 EVEN_SLOPE = 0.03
 EVEN_KINK = 0.01
@@ -90,8 +92,8 @@ def bounds_between(first: float, last: float, w: Workspace) -> tuple[Array, Arra
 def switches_at(time: float, w: Workspace) -> Array:
     """Values (n,) of switching functions at a time [s], in the units of their formulas."""
     switches, _ = bounds_between(time, time, w)
-    there: Array = switches[0].copy()
-    return there
+    values: Array = switches[0].copy()
+    return values
 
 
 def are_rootless(bounds: Array, before: Array, after: Array, h: float) -> bool:
@@ -132,7 +134,7 @@ def bound_laws(first: float, last: float, w: Workspace) -> Array:
 
 
 def are_unbent(first: float, last: float, span: float, w: Workspace) -> bool:
-    """Whether rates of laws change evenly within a time that is none, between two times.
+    """Whether rates of laws change evenly within rounding of times, all along between two times.
 
     All but a small part of them: as bounds of the third derivatives tell. Those of a law that is at
     rest there are compared with its rate further away, or with itself over the whole time.
@@ -157,39 +159,39 @@ def laws_at(time: float, w: Workspace) -> Array:
 
     In the unit of the law per s⁰ to s³.
     """
-    found = bound_laws(time, time, w)
-    return np.column_stack((found[:, :, 0], found[:, 2, 2]))
+    bounds = bound_laws(time, time, w)
+    return np.column_stack((bounds[:, :, 0], bounds[:, 2, 2]))
 
 
 def law_rounding(time: float, span: float, w: Workspace) -> Array:
     """Error (laws, 3) that rounding may leave of laws and two derivatives at a time [s].
 
-    They may be differences of what is much larger: bounds over a time that is none tell it.
+    They may be differences of much larger terms: bounds within rounding of the time tell it.
     """
     no_time = NO_TIME * SMALLEST * span
-    found = bound_laws(time - no_time, time + no_time, w)
-    width = found[:, :, 1] - found[:, :, 0]
+    bounds = bound_laws(time - no_time, time + no_time, w)
+    width = bounds[:, :, 1] - bounds[:, :, 0]
     return np.where(np.isfinite(width), width, 0.0)
 
 
 def bent_beside(far: float, first: float, last: float, span: float, w: Workspace) -> int:
-    """First law that does not go from a time to another with two derivatives, or 0.
+    """First law without two derivatives between two times, counted from 1, or 0.
 
-    As so far beside both tells; it is counted from 1. Of each what it changes by is what the next
-    one tells of both sides, and between its value is between theirs, where it has one.
+    As values so far beside both tell: the law and each derivative change by the mean of the next
+    derivative there, and the law in between is between its values, where it has one.
     """
     rounding = law_rounding(first - far, span, w) + law_rounding(last + far, span, w)
     between = laws_at(0.5 * (first + last), w)[:, 0]
     before, after = laws_at(first - far, w), laws_at(last + far, w)
     half = 0.5 * (last - first) + far
-    left = after[:, :3] - before[:, :3] - half * (before[:, 1:] + after[:, 1:])
+    unexplained = after[:, :3] - before[:, :3] - half * (before[:, 1:] + after[:, 1:])
     third = np.abs(before[:, 3:]) + np.abs(after[:, 3:])
     bending = BENDING * third * np.array([half * half * half, half * half, half])
     size = EQUAL * (np.abs(before[:, :3]) + np.abs(after[:, :3])) + rounding
-    are_smooth = np.all(np.abs(left) <= size + bending, axis=1)
+    are_smooth = np.all(np.abs(unexplained) <= size + bending, axis=1)
     second = (np.abs(before[:, 2]) + np.abs(after[:, 2])) * (half * half)
-    off = np.abs(between - 0.5 * (before[:, 0] + after[:, 0]))
-    are_smooth &= ~(off > size[:, 0] + second + bending[:, 0])
+    deviation = np.abs(between - 0.5 * (before[:, 0] + after[:, 0]))
+    are_smooth &= ~(deviation > size[:, 0] + second + bending[:, 0])
     return 0 if are_smooth.all() else int(np.argmin(are_smooth)) + 1
 
 
@@ -280,27 +282,27 @@ def is_put_behind(span: float, state: State, work: Work) -> bool:
 def note_impulse(before: float, acceleration: float, state: State, work: Work) -> None:
     """Note what a force that is infinite at a switch may do while bodies are put behind it.
 
-    Nothing moves there, and no times are told apart that are nearer to it. How far both sides are
-    from each other, times what accelerates bodies on these, is as much, as of 1/sqrt|t - 5|, or
-    tells that it is far too much. Where no force can be infinite that is no more than rounding.
+    Nothing moves there, and rounding hides times that are nearer to it. The time between both
+    sides, times accelerations of bodies on these, is as much, as of 1/sqrt|t - 5|, or tells that it
+    is far too much. Where no force can be infinite that is no more than rounding.
     """
     w, scene, n = work.w, work.scene, len(state.sides)
     if scene.n_poles == 0:
         return
-    there = []
+    sides = []
     for time in (before, state.time):
         read = read_of(time, state.y, w)
-        there.append(
+        sides.append(
             side_at(evaluate_node(read, np.zeros_like(read), time, w))[n - scene.n_poles : n]
         )
-    if (there[0] != there[1]).any():
-        both = acceleration + w.size_of(state.f[scene.nq :])
-        state.impulse += (state.time - before) * both
+    if (sides[0] != sides[1]).any():
+        total = acceleration + w.size_of(state.f[scene.nq :])
+        state.impulse += (state.time - before) * total
         state.impulse_time = state.time
 
 
 def widths_of(read: Array, noise: Array, time: float, w: Workspace) -> tuple[Array, Array]:
-    """Half widths (n,) of parts of forces where formulas read this, known to a noise; their sizes.
+    """Half widths, and sizes, (n,) of parts of forces where formulas read (n, 2), known to a noise.
 
     These are the parts that vary beyond polynomials.
     """
@@ -310,9 +312,9 @@ def widths_of(read: Array, noise: Array, time: float, w: Workspace) -> tuple[Arr
 
 
 def find_steep(read: Array, noise: Array, time: float, w: Workspace) -> Flags:
-    """Which parts (n,) of forces change, by rounding of what they read, as none that has a slope.
+    """Parts (n,) of forces that change, by rounding of what they read, as none that has a slope.
 
-    That is much more than a sixteenth of what they change by as many times the rounding.
+    That is by much more than a sixteenth of their changes by sixteen times the rounding.
     """
     wider, _ = widths_of(read, FAR_BY_ROUNDING * noise, time, w)
     widths, sizes = widths_of(read, noise, time, w)
@@ -321,7 +323,7 @@ def find_steep(read: Array, noise: Array, time: float, w: Workspace) -> Flags:
 
 
 def scattered(n: Array) -> Array:
-    """Numbers between -1 and 1, other ones for all n, no multiples or differences of others."""
+    """Numbers between -1 and 1, different for all n, none a multiple or difference of others."""
     part = np.fmod(n * GOLDEN_RATIO, 1.0)
     return np.asarray(2.0 * np.fmod(SCATTERING * part * part, 1.0) - 1.0)
 
@@ -335,30 +337,30 @@ def displace_by_rounding(times: float, y: Array, f: Array, state: State, work: W
     length = scene.length * scale_by_distance(state.y, scene)
     y[:] = state.y
     y[scene.shifts[:, 0]] += part * scattered(np.arange(float(len(scene.shifts)))) * length
-    for place, _, count in scene.turns.tolist():
-        y[place : place + count] += part * scattered(np.arange(float(place), place + count))
+    for index, _, count in scene.turns.tolist():
+        y[index : index + count] += part * scattered(np.arange(float(index), index + count))
     y[scene.nq :] += part * scattered(np.arange(float(scene.nv))) * (state.fastest * scene.lengths)
     forget_trials(work)
     return project(state.time, 0.0, y, None, f, work, state) >= 0.0
 
 
-def read_beside(time: float, way: float, y: Array, f: Array, work: Work) -> tuple[Array, Array]:
-    """Values and rates (n, 2) that formulas read of y (ny,) at a time [s], and some way ahead.
+def read_beside(time: float, span: float, y: Array, f: Array, work: Work) -> tuple[Array, Array]:
+    """Values and rates (n, 2) that formulas read of y (ny,) at a time [s], and a span [s] ahead.
 
-    The way [s] leads there at its derivative f (ny,).
+    The derivative f (ny,) leads there.
     """
     read = read_of(time, y, work.w)
-    work.scratch[:] = y + way * f
+    work.scratch[:] = y + span * f
     return read, read_of(time, work.scratch, work.w)
 
 
 def change_by_rounding(end: float, state: State, work: Work) -> float:
     """Change [1/s^2] of accelerations by rounding where forces are too steep for doubles.
 
-    Such is that of sqrt(abs(x)) where x is zero but for rounding. By bodies on both sides of a
-    place, and twice as many times further away, that tells of even and odd parts of forces what no
-    slope and no kink explains. The odd ones are none where each steep part pushes a body back,
-    beyond rounding, by what it reads: that swings there until the end of a run.
+    Such is that of sqrt(abs(x)) where x is zero but for rounding. Bodies on both sides of a place,
+    at three distances, tell what no slope and no kink explains of even and odd parts of forces. Odd
+    ones do not count where each steep part pushes a body back, beyond rounding, by what it reads:
+    that swings there until the end of a run.
     """
     w, nq, time = work.w, work.scene.nq, state.time
     sizes, span = work.scene.measure_sizes, larger(abs(time), abs(end))
@@ -368,24 +370,24 @@ def change_by_rounding(end: float, state: State, work: Work) -> float:
     is_steep = find_steep(read, rounding, time, w)
     if not is_steep.any():
         return 0.0
-    there, times = [], 1.0
+    displaced, times = [], 1.0
     for n in range(6):
         if not displace_by_rounding(times, work.y, work.k[n], state, work):
             return 0.0
-        there.append(read_beside(time, longest, work.y, work.k[n], work))
+        displaced.append(read_beside(time, longest, work.y, work.k[n], work))
         times = -times if n % 2 == 0 else -FAR_BY_ROUNDING * times
-    (above, above_ahead), (below, below_ahead) = there[:2]
+    (above, above_ahead), (below, below_ahead) = displaced[:2]
     first, second = (above_ahead - above)[:, 1], (below_ahead - below)[:, 1]
     is_back = np.zeros_like(is_steep)
     for k, n in np.ndindex(*read.shape):
         moved, faster = 0.5 * (above[k, n] - below[k, n]), 0.5 * (first[k] - second[k])
         back = -faster if moved > 0.0 else faster
-        way = back / longest * span * (1.0 if n == 1 else span)
+        travel = back / longest * span * (1.0 if n == 1 else span)
         is_pushed = back > SMALLEST * sizes[k] * state.fastest
-        if is_pushed and way > SWINGS * abs(moved):
-            alone = np.zeros_like(read)
-            alone[k, n] = rounding[k, n]
-            is_back |= find_steep(read, alone, time, w)
+        if is_pushed and travel > SWINGS * abs(moved):
+            single = np.zeros_like(read)
+            single[k, n] = rounding[k, n]
+            is_back |= find_steep(read, single, time, w)
     pairs = work.k[:6, nq:].reshape(3, 2, -1)
     sums, changes = 0.5 * (pairs[:, 0] + pairs[:, 1]), 0.5 * (pairs[:, 0] - pairs[:, 1])
     further, least = sums[2] - sums[1], EVEN_SLOPE * np.abs(changes[1])
@@ -403,9 +405,9 @@ def note_steepness(start: float, end: float, state: State, work: Work) -> None:
     It counts where the step began so steep, too, not where it came to such a place or passed it.
     """
     before, state.steepness = state.steepness, change_by_rounding(end, state, work)
-    both = smaller(before, state.steepness)
-    if both > 0.0:
-        state.impulse += (state.time - start) * both
+    least = smaller(before, state.steepness)
+    if least > 0.0:
+        state.impulse += (state.time - start) * least
         state.impulse_time = state.time
 
 
@@ -447,26 +449,22 @@ def even_end(h: float, end: float, state: State) -> float:
     Of equal steps none is nearly all of the way, where estimates of errors can be blind alike on
     each such way.
     """
-    way = end - state.time
+    span = end - state.time
     is_between = state.time == state.switched and end == state.limit
-    return state.time + 0.5 * way if is_between and h < way < 2.0 * h else end
+    return state.time + 0.5 * span if is_between and h < span < 2.0 * h else end
 
 
-def is_resolved(tolerance: float, first: float, last: float, w: Workspace) -> bool:
-    """Whether samples of an interval tell how parts vary: their rates change as little."""
+def sampling_in(tolerance: float, first: float, last: float, w: Workspace) -> int:
+    """How well samples of an interval tell how parts vary with time."""
     h = (last - first) / PIECES
-    sample = bounds_between(first, first, w)[1][0]
-    least, most, change = sample.copy(), sample.copy(), np.zeros_like(sample)
+    variation = begin_variation(bounds_between(first, first, w)[1][0].copy())
     for piece in range(PIECES):
-        a, b = first + piece * h, first + (piece + 1) * h
-        _, (_, _, slowest, fastest) = bounds_between(a, b, w)
-        change += h * (fastest - slowest)
-        sample = bounds_between(b, b, w)[1][0]
-        least, most = smallest(sample, least), largest(sample, most)
-    size, scales = largest(-least, most), w.scene.feature_scales
+        b = first + (piece + 1) * h
+        bounds = bounds_between(first + piece * h, b, w)[1].copy()
+        add_cell(h, bounds_between(b, b, w)[1][0].copy(), bounds, variation)
+    size, scales = largest(-variation.least, variation.most), w.scene.feature_scales
     nothing = negligible_variation(size, scales, tolerance, first, last)
-    enough = EXPLAINED * (most - least) + nothing
-    return bool(np.all(change <= enough))
+    return sampling_of(variation, size, nothing, has_error=False)
 
 
 def resolved_step(
@@ -481,15 +479,15 @@ def resolved_step(
     if not work.scene.has_features:
         return end
     start = first = state.time
-    allowed = whole = smaller(h, end - start)
-    state.longest = larger(FORGETTING * state.longest, smaller(whole, GROWTH * state.stride))
-    last_step, width = start - state.time_before, whole / part
+    allowed = length = smaller(h, end - start)
+    state.longest = larger(FORGETTING * state.longest, smaller(length, GROWTH * state.stride))
+    last_step, width = start - state.time_before, length / part
     is_tired = state.short_steps > MOST_SHORT and last_step < LONG * state.longest
     is_unresolved = False
     for _ in range(MOST_INTERVALS):
         last = first + width
-        is_good = is_resolved(tolerance, first, last, work.w)
-        if not is_good and width > FINEST * whole:
+        is_good = sampling_in(tolerance, first, last, work.w) != UNRESOLVED
+        if not is_good and width > FINEST * length:
             width = 0.5 * width
             continue
         if is_good:
@@ -500,15 +498,15 @@ def resolved_step(
         width = 2.0 * width
     else:
         is_unresolved = True
-    if is_unresolved or (is_tired and allowed < whole):
+    if is_unresolved or (is_tired and allowed < length):
         note_unresolved(start, state)
     if is_tired:
         return end
     if not allowed < SHORT * state.longest:
         state.short_steps = 0
-    elif allowed < whole:  # others are short by their error
+    elif allowed < length:  # others are short by their error
         state.short_steps += 1
-    if not allowed < whole:
+    if not allowed < length:
         return end
-    # in equal steps: what is left of the way must be none too short
-    return start + whole / math.ceil(whole / allowed)
+    # in equal steps: the last one must not be too short
+    return start + length / math.ceil(length / allowed)

@@ -28,9 +28,9 @@ MOST_LOST = 0.5
 FIXED = 1e-9
 #: The least tolerance of corrections: near singular configurations they have more of rounding.
 LEAST = 1e-11
-#: What energies are known to, and constraints, relative to what they are compared with.
+#: Rounding of energies and of constraints, relative to what they are compared with.
 KNOWN = 1e-12
-#: What rows that are left out miss is rounding below that, in lengths of the scene or radians.
+#: Misses of rows that are left out are rounding below this, in lengths of the scene or radians.
 MISSES = 1e-9
 #: An energy that is no motion where hardly anything moves: that of heat, of one freedom at room
 #: temperature [J].
@@ -177,10 +177,10 @@ class Trust:
             yield f"bodies move by {part} of a length or rad a step, less than this tolerance tells"
         if self.below_tolerance:
             name, moved = next(iter(self.below_tolerance.items()))
-            rest = len(self.below_tolerance) - 1
-            more = f", so do {rest} more" * (rest > 0)
-            way = f"{shortly(moved)} of a length or rad"
-            yield f"{name} moves by {way}, less than this tolerance tells{more}"
+            others = len(self.below_tolerance) - 1
+            more = f", so do {others} more" * (others > 0)
+            size = f"{shortly(moved)} of a length or rad"
+            yield f"{name} moves by {size}, less than this tolerance tells{more}"
         if self.branch_point_time is not None:
             when = shortly(self.branch_point_time, 6)
             yield f"branch not known beyond t = {when} s, where another one comes near"
@@ -209,19 +209,19 @@ def allowed_part(limit: float, settings: Settings, single: Mapping[str, float]) 
     It is the limit, unless bodies move so little in the longest step that velocities and their
     errors are compared with more: at rest all that moves may be such an error.
     """
-    way = single["fastest"] * single["stride"]
-    if settings.fixed_step > 0.0 or not 0.0 < way < NOTHING_MOVES:
+    travel = single["fastest"] * single["stride"]
+    if settings.fixed_step > 0.0 or not 0.0 < travel < NOTHING_MOVES:
         return limit
-    part = limit * (NOTHING_MOVES / way)
+    part = limit * (NOTHING_MOVES / travel)
     return part + part * part
 
 
 def known_energy(single: Mapping[str, float]) -> float:
     """Uncertainty of energies [J]: below that they are rounding, or heat of what hardly moves."""
     moved = single["energy_moved"]
-    known = larger(larger(abs(single["energy"]), abs(single["potential"])), moved)
+    largest = larger(larger(abs(single["energy"]), abs(single["potential"])), moved)
     is_still = single["fastest"] * single["stride"] < NOTHING_MOVES
-    return larger(KNOWN * known, HEAT * is_still)
+    return larger(KNOWN * largest, HEAT * is_still)
 
 
 def fastest_or_nothing(single: Mapping[str, float]) -> float:
@@ -247,7 +247,7 @@ def judge(
     has_masses: bool,
     is_driven: bool,
 ) -> RunVerdict:
-    """Doubts and numbers of the verdict on a run; :func:`trust_of` says what is what."""
+    """Doubts and numbers of the verdict on a run; arguments as of :func:`trust_of`."""
     single = {name: float(field) for name, field in state.items() if field.ndim == 0}
     units = [unit for part in rows for _, unit in part]
     lengths = [layout.length if unit == "m" else 1.0 for unit in units]
@@ -255,13 +255,13 @@ def judge(
     ends = (residuals[:held], residuals[held:])
     constraints, missed = (float(np.max(part, initial=0.0)) for part in ends)  # a NaN stays
     moved, is_free = single["energy_moved"], layout.sizes["v"] != held
-    many = HEALTHY * larger(1.0, single["steps"] / PER_STEPS)
+    allowance = HEALTHY * larger(1.0, single["steps"] / PER_STEPS)
     tolerance = FIXED if settings.fixed_step > 0.0 else settings.tolerance
     # where rows take over from others bodies go on where these hold: as far off as rows miss
     if single["fallbacks"] > 0.0 and missed > MISSES:
         tolerance = larger(tolerance, missed)
-    limit = smaller(many * tolerance, MOST_LOST)
-    off = smaller(many * larger(tolerance, LEAST), MOST_LOST)
+    limit = smaller(allowance * tolerance, MOST_LOST)
+    drift_limit = smaller(allowance * larger(tolerance, LEAST), MOST_LOST)
     part = allowed_part(limit, settings, single)
     energy_limit = larger(part * moved, known_energy(single))
     # without signs, so that errors of steps add up that are none in all
@@ -273,14 +273,14 @@ def judge(
         doubts |= beyond(single["energy_error"], energy_limit, Doubt.ENERGY)
         if settings.is_kinematic:
             doubts |= beyond(single["work_error"], work_limit, Doubt.WORKS)
-    doubts |= beyond(constraints, off, Doubt.CONSTRAINTS)
+    doubts |= beyond(constraints, drift_limit, Doubt.CONSTRAINTS)
     if is_free:  # else corrections take away all of the error of a step or row
-        doubts |= beyond(single["drift"], off, Doubt.DRIFT)
-        doubts |= beyond(single["row_drift"], off, Doubt.ROW_DRIFT)
+        doubts |= beyond(single["drift"], drift_limit, Doubt.DRIFT)
+        doubts |= beyond(single["row_drift"], drift_limit, Doubt.ROW_DRIFT)
     doubts |= beyond(single["branch_points"], 0.0, Doubt.BRANCH_POINTS)
     doubts |= beyond(single["unresolved"], 0.0, Doubt.NARROW)
     doubts |= beyond(single["impulse"], limit * fastest_or_nothing(single), Doubt.IMPULSE)
-    return RunVerdict(doubts, limit, off, energy_limit, work_limit, constraints, missed)
+    return RunVerdict(doubts, limit, drift_limit, energy_limit, work_limit, constraints, missed)
 
 
 def problems_of(
@@ -297,7 +297,7 @@ def problems_of(
     opened = map(scene_key, released(missed_by(state["violations"][0], rows, layout), layout))
     moved, count = shortly(single["energy_moved"], 2), single["branch_points"]
     impulse = shortly(relative_impulse(single))
-    far = f"of a length of the scene, wanted at most {shortly(verdict.correction_limit)}"
+    limits = f"of a length of the scene, wanted at most {shortly(verdict.correction_limit)}"
     reasons = {
         Doubt.NOT_FINITE: f"numbers of rows are not finite, of {single['not_finite']:.0f} in all,"
         f" first at t = {single['not_finite_time']:.9g} s: a formula has no value there; ask for"
@@ -308,10 +308,10 @@ def problems_of(
         f" at most {shortly(verdict.energy_limit)} J",
         Doubt.WORKS: f"works are off by {shortly(single['work_error'])} J of {moved} J, as"
         f" positions between those of steps tell, wanted at most {shortly(verdict.work_limit)} J",
-        Doubt.CONSTRAINTS: f"constraints are left by {shortly(verdict.constraints)} {far}",
-        Doubt.DRIFT: f"a step left the constraints by {shortly(single['drift'])} {far}",
+        Doubt.CONSTRAINTS: f"constraints are left by {shortly(verdict.constraints)} {limits}",
+        Doubt.DRIFT: f"a step left the constraints by {shortly(single['drift'])} {limits}",
         Doubt.ROW_DRIFT: "rows between steps are off the constraints by"
-        f" {shortly(single['row_drift'])} {far}",
+        f" {shortly(single['row_drift'])} {limits}",
         OF_STEPS: f"try {advice}",
         Doubt.BRANCH_POINTS: f"{count:.0f} step{'s' * (count > 1)} went by a singular"
         f" configuration, the first to t = {single['branch_point_time']:.6g} s: the motion may be"
@@ -358,8 +358,8 @@ def trust_of(
     checks, is_kinematic = bool(settings.checks), settings.is_kinematic
     knows_energy = checks and has_masses
     is_free = layout.sizes["v"] != len(rows.rows) + len(rows.satisfied)
-    told = larger(verdict.limit * single["energy_moved"], known_energy(single))
-    is_still = knows_energy and told < single["energy_error"] <= verdict.energy_limit
+    largest_loss = larger(verdict.limit * single["energy_moved"], known_energy(single))
+    is_still = knows_energy and largest_loss < single["energy_error"] <= verdict.energy_limit
     impulse = relative_impulse(single)
     has_impulse = impulse > (FIXED if settings.fixed_step > 0.0 else settings.tolerance)
     problems = problems_of(verdict, state, rows, layout, settings)
@@ -401,20 +401,20 @@ def below_tolerance(
     low, high = state["lowest"], state["highest"]
     ranges, sizes = high - low, np.maximum(np.abs(low), np.abs(high))
     first, length = len(low) - len(layout.coordinates), layout.length
-    far = [k for body in layout.bodies for k in body.r if isinstance(k, int)]
-    rounding = KNOWN * (1.0 + float(np.max(sizes[far], initial=0.0)) / length)
+    positions = [k for body in layout.bodies for k in body.r if isinstance(k, int)]
+    rounding = KNOWN * (1.0 + float(np.max(sizes[positions], initial=0.0)) / length)
     shown, bodies = {}, {}
     for k, (name, is_length, _) in enumerate(layout.coordinates, first):
         unit = length if is_length else 1.0
         if name not in layout.driven and ranges[k] > rounding * larger(unit, sizes[k]):
             shown[f"coordinates.{name}"] = float(ranges[k] / unit)
     for body in () if layout.has_drivers else layout.bodies:
-        ways = [ranges[k] / length for k in body.r if isinstance(k, int)]
-        ways += [2.0 * ranges[k] for k in body.p if isinstance(k, int)]
-        if max(ways, default=0.0) > rounding:
-            bodies[f"bodies.{body.name}"] = float(max(ways))
-    every = [*sorted(shown.items(), key=itemgetter(1)), *sorted(bodies.items(), key=itemgetter(1))]
-    return {name: way for name, way in every if way <= limit}
+        motions = [ranges[k] / length for k in body.r if isinstance(k, int)]
+        motions += [2.0 * ranges[k] for k in body.p if isinstance(k, int)]
+        if max(motions, default=0.0) > rounding:
+            bodies[f"bodies.{body.name}"] = float(max(motions))
+    pairs = [*sorted(shown.items(), key=itemgetter(1)), *sorted(bodies.items(), key=itemgetter(1))]
+    return {name: motion for name, motion in pairs if motion <= limit}
 
 
 def untold(single: Mapping[str, float], advice: str) -> str:
@@ -451,19 +451,19 @@ def missed_by(worst: Array, rows: CheckedRows, layout: Layout) -> dict[str, Miss
     ``worst`` (rows,) [m, rad] has those of all rows: solved for, left out, satisfied.
     """
     first = len(rows.rows)
-    found: dict[str, list[float]] = {}
+    by_joint: dict[str, list[float]] = {}
     for (joint, unit), size in zip(rows.left_out, worst[first:].tolist(), strict=False):
-        own = found.setdefault(joint, [0.0, 0.0])
-        place = 0 if unit == "m" else 1
-        own[place] = float(np.maximum(own[place], size))  # a NaN stays
-    all_of = [
+        sizes = by_joint.setdefault(joint, [0.0, 0.0])
+        kind = 0 if unit == "m" else 1
+        sizes[kind] = float(np.maximum(sizes[kind], size))  # a NaN stays
+    misses = [
         (joint, Missed(metres, radians, float(np.maximum(metres / layout.length, radians))))
-        for joint, (metres, radians) in found.items()
+        for joint, (metres, radians) in by_joint.items()
     ]
-    return dict(sorted(all_of, key=lambda one: -one[1].part))
+    return dict(sorted(misses, key=lambda item: -item[1].part))
 
 
 def released(missed: Mapping[str, Missed], layout: Layout) -> tuple[str, ...]:
     """Joints that came open at rows that were left out."""
-    most = CLEARLY * layout.closure_tolerance
-    return tuple(joint for joint, one in missed.items() if not one.part <= most)
+    limit = CLEARLY * layout.closure_tolerance
+    return tuple(joint for joint, miss in missed.items() if not miss.part <= limit)
