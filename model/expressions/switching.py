@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from itertools import chain
-from math import inf, isfinite, pi
+from functools import reduce
+from itertools import chain, product
+from math import inf, isfinite, pi, prod
 from typing import TYPE_CHECKING
 
 from kousoku.model.expressions.derivative import derivative
@@ -30,7 +31,7 @@ from kousoku.model.operations.expression import (
 from kousoku.model.operations.graph import Op
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 
 
 #: Functions with a kink or a jump.
@@ -40,6 +41,8 @@ SMOOTH = 2
 #: Polynomials up to this degree vary no faster than the stages of a step see: (1 - t^2)^n is a hill
 #: of a width of 1.7/sqrt(n) in an interval of 2, a third of it for n = 6.
 HIGHEST = 12
+#: Products of sums are watched term by term if there are no more.
+MOST_TERMS = 16
 #: Functions with a jump, or that jump through infinity.
 JUMPING = frozenset({Op.SIGN, Op.TAN, Op.ATAN2})
 #: Functions that are bounded where their argument is infinite, too.
@@ -375,17 +378,25 @@ def varying_parts(
     """
     varies: dict[int, bool] = {}
     degrees: dict[int, Fraction] = {}
-    for part in ordered(formula):
-        degree = degrees[id(part)] = _degree_of(part, varying, degrees)
-        is_fast = bool(part.args) and (degree > HIGHEST or not _is_transparent(part, varying))
-        is_fast = is_fast and degree > 0
-        varies[id(part)] = is_fast or any(varies[id(arg)] for arg in part.args)
-    stack, seen = [(formula, ONE)], set()
+
+    def is_varying(formula: Expression) -> bool:
+        for part in ordered(formula) if id(formula) not in varies else ():
+            degree = degrees[id(part)] = _degree_of(part, varying, degrees)
+            is_fast = bool(part.args) and (degree > HIGHEST or not _is_transparent(part, varying))
+            is_fast = is_fast and degree > 0
+            varies[id(part)] = is_fast or any(varies[id(arg)] for arg in part.args)
+        return varies[id(formula)]
+
+    stack, seen = [(formula, ONE)], {}
     while stack:
         part, factor = stack.pop()
-        if (id(part), factor) in seen or not varies[id(part)]:
+        if (id(part), factor) in seen or not is_varying(part):
             continue
-        seen.add((id(part), factor))
+        seen[id(part), factor] = part  # as long as it is there no other has its id
+        terms = _distributed(part, is_varying)
+        if len(terms) > 1:
+            stack.extend((term, factor) for term in reversed(terms))
+            continue
         fast = [arg for arg in part.args if varies[id(arg)]]
         slow = [arg for arg in part.args if not varies[id(arg)]]
         changes = any(name in varying for arg in slow for name in names_of(arg))
@@ -396,6 +407,24 @@ def varying_parts(
         if part.op in {Op.MUL, Op.DIV}:
             factor = apply(part.op, factor, *slow)
         stack.extend((arg, factor) for arg in reversed(fast))
+
+
+def _distributed(formula: Expression, is_varying: Callable[[Expression], bool]) -> list[Expression]:
+    """Terms of a product with sums of what varies fast and of what does not, but for their signs.
+
+    In such a sum a narrow part would hide behind a wide factor: x (1 + exp(−u²)/100). Other
+    formulas are their own term.
+    """
+    if formula.op is not Op.MUL:
+        return [formula]
+    sums = []
+    for factor in _factors(formula):
+        terms = list(summands(factor))
+        fast = sum(map(is_varying, terms))
+        sums.append(terms if fast > 0 and len(terms) > 1 else [factor])
+    if not 1 < prod(map(len, sums)) <= MOST_TERMS:
+        return [formula]
+    return [reduce(mul, factors) for factors in product(*sums)]
 
 
 def _degree_of(

@@ -956,14 +956,14 @@ static void add_cell(double h, double sample, const double *bounds, Variation *v
 }
 
 /* how well samples tell how a part varies, but for what counts as nothing: its rate changes by as
- * little as they do, or bounds leave it nearly what it is and are no looser in one cell than in all
- * others, as where a hill hides, or, where formulas switch and an error tells of what they change
+ * little as they do, or bounds leave it steady and are no looser in one cell than in all others, as
+ * where a hill hides, or, where formulas switch and an error tells of what they change
  * by, it varies by no more than they show, as a root at whose end no rate is bounded */
-static int sampling_of(const Variation *v, double size, int has_error, double nothing)
+static int sampling_of(const Variation *v, double steady, int has_error, double nothing)
 {
     const double range = v->most - v->least;
     const int is_even = v->most_hidden <= UNEVEN * v->hidden + nothing;
-    const int is_steady = is_even && v->high - v->low <= STEADY * size + nothing;
+    const int is_steady = is_even && v->high - v->low <= steady + nothing;
     const int is_shown = has_error && v->reach <= SHOWN * range + nothing;
     if (!(is_steady || is_shown || v->change <= EXPLAINED * range + nothing)) return UNRESOLVED;
     return is_steady || v->change <= SMOOTH * range + nothing ? RESOLVED : COARSE;
@@ -996,7 +996,7 @@ static int are_narrow_resolved(double start, double end, Search *search, const S
         const double size = larger(-variations[k].least, variations[k].most);
         const double nothing = band[k] + negligible_variation(
                                              size, narrow_scales[k], search->tolerance, start, end);
-        const int sampling = sampling_of(&variations[k], size, search->has_error, nothing);
+        const int sampling = sampling_of(&variations[k], STEADY * size, search->has_error, nothing);
         if (sampling == UNRESOLVED) return 0;
         is_coarse = is_coarse || sampling == COARSE;
     }

@@ -957,17 +957,17 @@ def add_cell(h: float, sample: Array, bounds: Array, variation: Variation) -> No
     v.last = sample
 
 
-def sampling_of(v: Variation, size: Array, nothing: Array, *, has_error: bool) -> int:
+def sampling_of(v: Variation, steady: Array, nothing: Array, *, has_error: bool) -> int:
     """How well samples tell how all parts vary, but for what counts as nothing.
 
-    Their rates change by as little as they do, or bounds leave them nearly what they are and are no
-    looser in one cell than in all others, as where a hill hides, or, where formulas switch and an
-    error tells of what they change by, they vary by no more than samples show, as a root at whose
-    end no rate is bounded.
+    Their rates change by as little as they do, or bounds leave them steady and are no looser in one
+    cell than in all others, as where a hill hides, or, where formulas switch and an error tells of
+    what they change by, they vary by no more than samples show, as a root at whose end no rate is
+    bounded.
     """
     shown = v.most - v.least
     is_even = v.most_hidden <= UNEVEN * v.hidden + nothing
-    is_steady = is_even & (v.high - v.low <= STEADY * size + nothing)
+    is_steady = is_even & (v.high - v.low <= steady + nothing)
     is_shown = (v.reach <= SHOWN * shown + nothing) & has_error
     if not np.all(is_steady | is_shown | (v.change <= EXPLAINED * shown + nothing)):
         return UNRESOLVED
@@ -989,7 +989,7 @@ def are_narrow_resolved(start: float, end: float, search: Search) -> bool:
         band, a = largest(half_width(b)[n], band), b
     size, scales = largest(-variation.least, variation.most), search.work.scene.narrow_scales
     nothing = band + negligible_variation(size, scales, search.tolerance, start, end)
-    sampling = sampling_of(variation, size, nothing, has_error=search.has_error)
+    sampling = sampling_of(variation, STEADY * size, nothing, has_error=search.has_error)
     search.is_coarse = search.is_coarse or sampling == COARSE
     return sampling != UNRESOLVED
 

@@ -442,7 +442,8 @@ static double even_end(double h, double end, const State *s)
     return is_between && h < way && way < 2.0 * h ? s->time + 0.5 * way : end;
 }
 
-/* how well samples of an interval tell how parts vary with time */
+/* how well samples of an interval tell how parts vary with time. What is not constant is not steady:
+ * bounds that are loose beside a place where a quotient is 0/0 would lead steps there */
 static int sampling_in(double tolerance, double first, double last, double *w)
 {
     Variation variations[ROOM(N_FEATURES)];
@@ -464,7 +465,7 @@ static int sampling_in(double tolerance, double first, double last, double *w)
         const double size = larger(-variations[k].least, variations[k].most);
         const double nothing = negligible_variation(
             size, feature_scales[k], tolerance, first, last);
-        const int sampling = sampling_of(&variations[k], size, 0, nothing);
+        const int sampling = sampling_of(&variations[k], 0.0, 0, nothing);
         if (sampling == UNRESOLVED) return UNRESOLVED;
         is_coarse = is_coarse || sampling == COARSE;
     }

@@ -455,7 +455,11 @@ def even_end(h: float, end: float, state: State) -> float:
 
 
 def sampling_in(tolerance: float, first: float, last: float, w: Workspace) -> int:
-    """How well samples of an interval tell how parts vary with time."""
+    """How well samples of an interval tell how parts vary with time.
+
+    What is not constant is not steady: bounds that are loose beside a place where a quotient is 0/0
+    would lead steps there.
+    """
     h = (last - first) / PIECES
     variation = begin_variation(bounds_between(first, first, w)[1][0].copy())
     for piece in range(PIECES):
@@ -464,7 +468,7 @@ def sampling_in(tolerance: float, first: float, last: float, w: Workspace) -> in
         add_cell(h, bounds_between(b, b, w)[1][0].copy(), bounds, variation)
     size, scales = largest(-variation.least, variation.most), w.scene.feature_scales
     nothing = negligible_variation(size, scales, tolerance, first, last)
-    return sampling_of(variation, size, nothing, has_error=False)
+    return sampling_of(variation, np.zeros_like(size), nothing, has_error=False)
 
 
 def resolved_step(

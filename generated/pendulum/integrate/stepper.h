@@ -135,6 +135,7 @@ typedef struct {
     int is_rejected;     /* whether one had too large an error */
     int is_guessed;      /* whether one was cut short for what is seen in it but distances */
     int shorter, thrown; /* how often for narrow parts, and for stages that pass a switch by */
+    int coarse;          /* how often one had few samples of a part that varies */
     int polished;        /* how often an event was found again */
     int status;          /* GOOD, or why there is no step */
     Search search;       /* for what crosses in the last one */
@@ -575,9 +576,18 @@ static int is_near_power(const Attempts *tried, const Trial *trial, const State 
     return s->time - s->switched < trial->h || trial->end == tried->search.cut;
 }
 
+/* the error of a trial in which samples are few for how a part varies: as if estimates were blind.
+ * Beside an infinite force, and where rounding decides, no step is short enough for that: not for
+ * ever */
+static double error_where_coarse(Attempts *tried, const Trial *trial)
+{
+    if (!(tried->coarse++ < MOST_SHORTER)) return trial->error;
+    return larger(trial->error, trial->error_if_blind);
+}
+
 /* finds the error of a trial whose stages are all there, and what else its end tells: its geometry
  * is in the workspace */
-static void find_error(const Attempts *tried, Trial *trial, Work *work, State *s)
+static void find_error(Attempts *tried, Trial *trial, Work *work, State *s)
 {
     const Method *m = tried->m;
     const Settings *settings = tried->settings;
@@ -605,7 +615,7 @@ static void find_error(const Attempts *tried, Trial *trial, Work *work, State *s
         /* of what varies with the state the polynomial is asked, later */
         if (N_FEATURES > 0 && is_kept(trial) && trial->error_if_blind > 1.0 &&
             sampling_in(settings->tolerance, s->time, trial->end, work->w) == COARSE)
-            trial->error = trial->error_if_blind;
+            trial->error = error_where_coarse(tried, trial);
         if (tells_drift(trial, s)) {
             const double most = MOST_DRIFT * larger(settings->tolerance, LEAST_DRIFT);
             trial->error = larger(trial->drift / most, trial->error);
@@ -736,7 +746,7 @@ static double resolved_in(double until, Attempts *tried, Trial *trial, Work *wor
                                     !is_at_pole(1, s->time, until, search, s, work));
     }
     if (search->is_coarse && until == trial->end && to == until && !tried->is_fixed)
-        trial->error = larger(trial->error, trial->error_if_blind);
+        trial->error = error_where_coarse(tried, trial);
     return to;
 }
 

@@ -241,9 +241,9 @@ class Attempts:
         Whether the end is to lie inside of the step.
     is_rejected, is_guessed : bool
         Whether one had too large an error, and was cut short for what is seen in it but distances.
-    shorter, thrown, polished : int
-        How often for narrow parts, and for stages that pass a switch by; how often an event was
-        found again.
+    shorter, thrown, coarse, polished : int
+        How often for narrow parts, and for stages that pass a switch by; how often one had few
+        samples of a part that varies, and how often an event was found again.
     status : Status
         ``GOOD``, or why there is no step.
     """
@@ -264,6 +264,7 @@ class Attempts:
     is_guessed: bool = False
     shorter: int = 0
     thrown: int = 0
+    coarse: int = 0
     polished: int = 0
     status: Status = Status.GOOD
 
@@ -718,6 +719,18 @@ def is_near_power(tried: Attempts, trial: Trial, work: Work, state: State) -> bo
     return work.scene.has_fractional_powers and is_beside
 
 
+def error_where_coarse(tried: Attempts, trial: Trial) -> float:
+    """Error of a trial in which samples are few for how a part varies: as if estimates were blind.
+
+    Beside an infinite force, and where rounding decides, no step is short enough for that: not for
+    ever.
+    """
+    tried.coarse += 1
+    if tried.coarse > MOST_SHORTER:
+        return trial.error
+    return larger(trial.error, trial.error_if_blind)
+
+
 def find_error(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
     """Find the error of a trial whose end is in the workspace, and the energy that has moved."""
     m, s = tried.m, tried.s
@@ -742,9 +755,9 @@ def find_error(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
         trial.error *= blind if is_near_power(tried, trial, work, state) else 1.0
         trial.error_if_blind = blind * worse
         # of what varies with the state the polynomial is asked, later
-        if work.scene.has_features and is_kept(trial) and trial.error_if_blind > 1.0:
-            sampling = sampling_in(s.tolerance, state.time, trial.end, work.w)
-            trial.error = trial.error_if_blind if sampling == COARSE else trial.error
+        is_asked = work.scene.has_features and is_kept(trial) and trial.error_if_blind > 1.0
+        if is_asked and sampling_in(s.tolerance, state.time, trial.end, work.w) == COARSE:
+            trial.error = error_where_coarse(tried, trial)
         if tells_drift(trial, state, work):
             largest_drift = MOST_DRIFT * larger(s.tolerance, LEAST_DRIFT)
             trial.error = larger(trial.drift / largest_drift, trial.error)
@@ -872,7 +885,7 @@ def resolved_in(until: float, tried: Attempts, trial: Trial, work: Work, state: 
         is_resolved = is_resolved or is_at_pole(state.time, until, search, in_between=True)
         search.is_unresolved = search.is_unresolved or not is_resolved
     if search.is_coarse and until == trial.end == to and not tried.is_fixed:
-        trial.error = larger(trial.error, trial.error_if_blind)
+        trial.error = error_where_coarse(tried, trial)
     return to
 
 

@@ -33,6 +33,7 @@ def sampled(
     search: Any = SimpleNamespace(
         state=SimpleNamespace(sides=np.zeros(0)),
         has_error=False,
+        is_coarse=False,
         tolerance=1e-9,
         work=SimpleNamespace(
             w=SimpleNamespace(narrow=np.zeros(4)),

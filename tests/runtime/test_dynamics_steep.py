@@ -1,0 +1,126 @@
+"""Steep rises and hidden hills of forces: steps that go over them are as exact as others."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+import kousoku as ks
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+pytestmark = pytest.mark.usefixtures("compiler")
+
+CART = """
+name = "cart"
+unit = "m"
+outputs = ["coordinates"]
+parameters = { h = 0.05, c = 3.0, w = 1e-3 }
+coordinates = { x = { joint = "rail" } }
+forces = { f = { type = "along", coordinate = "x", force = "LAW" } }
+[bodies.cart]
+position = [0, 0, 0]
+velocity = [1, 0, 0]
+mass = 1
+inertia = { xx = 1, yy = 1, zz = 1 }
+[joints.rail]
+type = "prismatic"
+bodies = ["ground", "cart"]
+at = [0, 0, 0]
+axis = [1, 0, 0]
+"""
+
+
+def cart(law: str, target: Any = "c") -> ks.Mechanism:
+    return ks.load(CART.replace("LAW", law), target=target)
+
+
+def area_of_atan(u: float) -> float:
+    return u * math.atan(u) - 0.5 * math.log1p(u * u)
+
+
+@pytest.mark.parametrize("name", ["x", "t"])
+@pytest.mark.parametrize(
+    ("method", "tolerance", "h", "c", "w"),
+    [
+        ("dop853", 1e-9, 0.05, 3.75, 0.00089),
+        ("dopri5", 1e-7, 0.08, 3.74, 0.0023),
+        ("dopri5", 1e-8, 0.08, 2.18, 0.00017),
+    ],
+)
+def test_a_steep_rise_is_gone_over_to_the_tolerance(
+    name: str, method: Any, tolerance: float, h: float, c: float, w: float
+) -> None:
+    """Speeds were off by 340 to 470 tolerances: the estimates of one step were blind."""
+    run = cart(f"-h*atan(({name} - c)/w)").simulate(
+        9.0, samples=2, method=method, tolerance=tolerance, parameters={"h": h, "c": c, "w": w}
+    )
+    end = run["x"][-1] if name == "x" else 9.0
+    work = -h * w * (area_of_atan((end - c) / w) - area_of_atan(-c / w))
+    speed = math.sqrt(1.0 + 2.0 * work) if name == "x" else 1.0 + work
+    assert run.body("cart").velocity[-1, 0] == pytest.approx(speed, abs=50.0 * tolerance)
+    assert run.ledger.trust.is_trusted
+
+
+def hill(u: float) -> float:
+    return math.exp(-u * u)
+
+
+@pytest.mark.parametrize("name", ["x", "t"])
+@pytest.mark.parametrize("method", ["dop853", "dopri5"])
+@pytest.mark.parametrize(
+    ("law", "force"),
+    [
+        ("0.1*exp(0.3*HILL)", lambda _, g: 0.1 * math.exp(0.3 * g)),
+        ("0.1/(1 + 0.3*HILL)", lambda _, g: 0.1 / (1.0 + 0.3 * g)),
+        ("0.1*cos(NAME)*(1 + 0.1*HILL)", lambda z, g: 0.1 * math.cos(z) * (1.0 + 0.1 * g)),
+        ("0.1*(1 + 0.1*HILL)*(1 + NAME^2)", lambda z, g: 0.1 * (1.0 + 0.1 * g) * (1.0 + z * z)),
+    ],
+)
+def test_a_hill_inside_of_a_wide_function_is_not_passed_over(
+    name: str, method: Any, law: str, force: Callable[[float, float], float]
+) -> None:
+    """By 33,000 tolerances speeds were off: half of the size of a part may vary, none looked."""
+    law = law.replace("HILL", "exp(-((NAME - c)/w)^2)").replace("NAME", name)
+    run = cart(law).simulate(4.0, samples=2, method=method)
+    assert run.ledger.trust.is_trusted
+    end = run["x"][-1] if name == "x" else 4.0
+    ends = [0.0, *(3.0 + k * 1e-3 for k in (-8, -4, -2, -1, 0, 1, 2, 4, 8)), end]
+    work = sum(simpson(lambda z: force(z, hill((z - 3.0) / 1e-3)), a, b) for a, b in pairwise(ends))
+    speed = math.sqrt(1.0 + 2.0 * work) if name == "x" else 1.0 + work
+    assert run.body("cart").velocity[-1, 0] == pytest.approx(speed, abs=3e-8)
+
+
+def simpson(f: Callable[[float], float], a: float, b: float, count: int = 2000) -> float:
+    h = (b - a) / count
+    inner = sum((4 if k % 2 else 2) * f(a + k * h) for k in range(1, count))
+    return h / 3.0 * (f(a) + inner + f(b))
+
+
+@pytest.mark.parametrize("method", ["dop853", "dopri5"])
+@pytest.mark.parametrize(
+    ("law", "place"),
+    [
+        ("sqrt(max(0, t - 5))", 10.0 + 4.0 / 15.0 * 5.0**2.5),
+        ("(2*max(0, t - 5))^0.5", 10.0 + math.sqrt(2.0) * 4.0 / 15.0 * 5.0**2.5),
+        ("max(0, t - 5)*sqrt(max(0, t - 5))", 10.0 + 4.0 / 35.0 * 5.0**3.5),
+    ],
+)
+def test_roots_of_what_is_zero_for_a_while_are_trusted(method: Any, law: str, place: float) -> None:
+    """Bounds of rates, 0/0 there, told nothing: what is right was not trusted."""
+    run = cart(law).simulate(10.0, samples=2, method=method)
+    assert run.ledger.trust.is_trusted
+    assert run["x"][-1] == pytest.approx(place, abs=1e-7)
+    assert run.ledger.steps < 150
+
+
+@pytest.mark.usefixtures("numpy_solver")
+def test_both_targets_take_the_same_steps_over_a_steep_rise() -> None:
+    law = "-h*atan((x - c)/w)*(1 + 0.1*exp(-((t - 2)/w)^2))"
+    runs = [cart(law, target).simulate(5.0, samples=6) for target in ("c", "numpy")]
+    assert runs[0].ledger.steps == runs[1].ledger.steps
+    assert (runs[0].body("cart").velocity == runs[1].body("cart").velocity).all()
