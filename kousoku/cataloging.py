@@ -77,8 +77,8 @@ class CatalogItem:
 class _Named(Mapping[str, T]):
     """A mapping whose names are found by any alias, and refused with the nearest one."""
 
-    def __init__(self, noun: str, entries: Mapping[str, T], aliases: Mapping[str, str]) -> None:
-        self._noun, self._entries, self._aliases = noun, MappingProxyType(dict(entries)), aliases
+    def __init__(self, what: str, found: Mapping[str, T], aliases: Mapping[str, str]) -> None:
+        self._noun, self._entries, self._aliases = what, MappingProxyType(dict(found)), aliases
 
     def __getitem__(self, name: str) -> T:
         key = self._aliases.get(plain_name(name), name)

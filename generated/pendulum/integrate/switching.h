@@ -442,8 +442,8 @@ static double even_end(double h, double end, const State *s)
     return is_between && h < way && way < 2.0 * h ? s->time + 0.5 * way : end;
 }
 
-/* how well samples of an interval tell how parts vary with time. What is not constant is not steady:
- * bounds that are loose beside a place where a quotient is 0/0 would lead steps there */
+/* how well samples of an interval tell how parts vary with time. What is not constant is not
+ * steady: bounds that are loose beside a place where a quotient is 0/0 would lead steps there */
 static int sampling_in(double tolerance, double first, double last, double *w)
 {
     Variation variations[ROOM(N_FEATURES)];
