@@ -280,8 +280,8 @@ def arctangents(random_: random.Random) -> Drawn:
 
 def rise(random_: random.Random) -> Drawn:
     """Draw a step that is as steep as narrow: what it takes on both sides is felt from far away."""
-    width, place = 10.0 ** random_.uniform(-5.0, -1.0), random_.uniform(1.0, 0.5 * END * SPEED)
-    height = random_.uniform(0.02, 0.2)
+    width: float = 10.0 ** random_.uniform(-5.0, -1.0)
+    place, height = random_.uniform(1.0, 0.5 * END * SPEED), random_.uniform(0.02, 0.2)
 
     def area(x: float) -> float:
         u = (x - place) / width

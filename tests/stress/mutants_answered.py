@@ -101,10 +101,10 @@ ANSWERS = {
         ),
     },
     "runtime/integrate/initial_coordinates.py": {
-        "'0.3' -> '(2 * 0.3)' in 'CLOSE, LONGEST_CONTINUATION_STEP =": (
+        "'0.3' -> '(2 * 0.3)' in 'LONGEST_CONTINUATION_STEP =": (
             "longer steps are tried on the way to given coordinates; those that fail are shortened"
         ),
-        "'>=' -> '>' in 'if not step >= SHORTEST:'": (
+        "'>=' -> '>' in 'if not step >= SHORTEST_PART:'": (
             "a step that is exactly the shortest is given up, too"
         ),
     },
