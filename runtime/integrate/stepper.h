@@ -578,10 +578,11 @@ static int is_near_power(const Attempts *tried, const Trial *trial, const State 
 
 /* the error of a trial in which samples are few for how a part varies: as if estimates were blind.
  * Beside an infinite force, and where rounding decides, no step is short enough for that: not for
- * ever */
+ * ever, and of no step that is a tiny part of the time */
 static double error_where_coarse(Attempts *tried, const Trial *trial)
 {
-    if (!(tried->coarse++ < MOST_SHORTER)) return trial->error;
+    const double tiny = FINEST * larger(fabs(trial->end), fabs(tried->limit));
+    if (!(tried->coarse++ < MOST_SHORTER && trial->h > tiny)) return trial->error;
     return larger(trial->error, trial->error_if_blind);
 }
 

@@ -12,6 +12,7 @@ from .arithmetic import larger, mean_square, rounding_of_sum, smaller
 from .branches import LEAPS, STAYS, follow_branch, note_branch
 from .crossing import (
     COARSE,
+    FINEST,
     LOOSEST_AT_SWITCH,
     ONWARD,
     SMALLEST,
@@ -723,10 +724,11 @@ def error_where_coarse(tried: Attempts, trial: Trial) -> float:
     """Error of a trial in which samples are few for how a part varies: as if estimates were blind.
 
     Beside an infinite force, and where rounding decides, no step is short enough for that: not for
-    ever.
+    ever, and of no step that is a tiny part of the time.
     """
     tried.coarse += 1
-    if tried.coarse > MOST_SHORTER:
+    tiny = FINEST * larger(abs(trial.end), abs(tried.limit))
+    if not (tried.coarse <= MOST_SHORTER and trial.h > tiny):
         return trial.error
     return larger(trial.error, trial.error_if_blind)
 

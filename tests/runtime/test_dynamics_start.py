@@ -343,7 +343,7 @@ def test_a_place_that_is_not_found_is_told(load: Any, monkeypatch: pytest.Monkey
     solver, given = load(scene_from_toml(TWO)), {"L": 1.7}
     wanted = solver.begin(NOW, parameters=given).finish()
     assert assembled_start.NOT_NEAREST not in wanted.layout.notes
-    monkeypatch.setattr(assembled_start, "MOST", 3)
+    monkeypatch.setattr(assembled_start, "MOST_PROJECTION_STEPS", 3)
     run = solver.begin(NOW, parameters=given)
     found = run.finish()
     assert assembled_start.NOT_NEAREST in found.layout.notes

@@ -199,11 +199,11 @@ def test_same_scene_gives_the_same_bytes() -> None:
         ("continuation.h", "x_dot[i] = w->x1[i] * rate;", "x_dot[i] = -w->x1[i] * rate;"),
         ("continuation.h", "+ w->x1[i] * rate_dot;", "- w->x1[i] * rate_dot;"),
         ("approach.h", "way.origin[i] = to[i];", "way.origin[i] = -to[i];"),
-        ("approach.py", "to.tolist()", "(-to).tolist()"),
+        ("approach.py", "target.tolist()", "(-target).tolist()"),
         ("newton.h", "            x[i] -= correction[i];", "            x[i] += correction[i];"),
         ("solve.h", "run->start - run->start", "run->start + run->start"),
         ("continuation.h", "TWO_PI * ((double)(part", "-TWO_PI * ((double)(part"),
-        ("solve.py", "else run.counted_inputs(division)", "else way.position.alpha"),
+        ("solve.py", "else run.counted_inputs(division)", "else path.position.alpha"),
     ],
 )
 def test_verify_finds_a_flipped_sign_in_the_solver(
