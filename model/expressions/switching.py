@@ -387,14 +387,15 @@ def varying_parts(
             varies[id(part)] = is_fast or any(varies[id(arg)] for arg in part.args)
         return varies[id(formula)]
 
-    stack, seen = [(formula, ONE)], {}
+    stack, seen, made = [(formula, ONE)], set(), []
     while stack:
         part, factor = stack.pop()
         if (id(part), factor) in seen or not is_varying(part):
             continue
-        seen[id(part), factor] = part  # as long as it is there no other has its id
+        seen.add((id(part), factor))
         terms = _distributed(part, is_varying)
         if len(terms) > 1:
+            made += terms  # as long as they are there no others have their ids
             stack.extend((term, factor) for term in reversed(terms))
             continue
         fast = [arg for arg in part.args if varies[id(arg)]]
@@ -420,8 +421,8 @@ def _distributed(formula: Expression, is_varying: Callable[[Expression], bool]) 
     sums = []
     for factor in _factors(formula):
         terms = list(summands(factor))
-        fast = sum(map(is_varying, terms))
-        sums.append(terms if fast > 0 and len(terms) > 1 else [factor])
+        is_sum = len(terms) > 1 and any(map(is_varying, terms))
+        sums.append(terms if is_sum else [factor])
     if not 1 < prod(map(len, sums)) <= MOST_TERMS:
         return [formula]
     return [reduce(mul, factors) for factors in product(*sums)]

@@ -26,10 +26,10 @@
  * trusted. Estimates can be blind where bodies turn by some radians in a step, this is not */
 #define MOST_DRIFT 50.0
 #define LEAST_DRIFT 1e-11
-/* what the worse of two estimates counts, of a step from a switch to the next: such steps begin
- * and end at the same phases of a force that repeats, so that their errors have one sign and add
- * up, and the better estimate can be blind at just these. Of a half-wave of a sine in one step of
- * DOP853 it is 4 times too small; this is 10 times too large */
+/* what the worse of two estimates counts where the better may be blind. Steps from a switch to the
+ * next begin and end at the same phases of a force that repeats, so that their errors have one sign
+ * and add up. Of a half-wave of a sine in one step of DOP853 the better one is 4 times too small;
+ * this is 10 times too large. Over a steep rise of a force both have been blind */
 #define WORSE_ERROR_PART 4e-3
 /* pivot ratios go with the square of the distance from a place where branches meet; a stage from
  * this part of the step on tells how */
@@ -52,9 +52,10 @@
 #define MANY_STAGES 12
 #define LONGEST_OF_MANY_STAGES 1.5
 #define LEVEL_RATIO_PART 0.999
-/* by what errors are multiplied of steps from a place on where a force goes with t^p. Estimates
- * compare two results that are off alike there: the error is 64 times what they tell for p = 0.1,
- * 37 times for a square root and 11 times for p = 1.5, with many stages 7, 5 and 3 times */
+/* by what errors are multiplied of steps whose estimates compare two results that are off alike. So
+ * they do from a place on where a force goes with t^p: the error is 64 times what they tell for
+ * p = 0.1, 37 times for a square root and 11 times for p = 1.5, with many stages 7, 5 and 3 times.
+ * Of steps over steep rises of forces it is more than 100 times that in one of 200, without this */
 #define BLIND_ERROR 40.0
 #define BLIND_ERROR_OF_MANY_STAGES 5.0
 /* where the line through two roots leads to less than this part of the next one, the root may have

@@ -255,6 +255,11 @@ def wall(integral: float, *, is_steep: bool, least: float) -> Callable[[random.R
     return draw
 
 
+def arctangent_integral(u: float) -> float:
+    """Integral of atan from 0 to u."""
+    return u * math.atan(u) - 0.5 * math.log1p(u * u)
+
+
 def arctangents(random_: random.Random) -> Drawn:
     """Draw a wall with edges a hundredth of it wide, which is felt from far away."""
     parameters, _ = wall(1.0, is_steep=True, least=-5.0)(random_)
@@ -264,8 +269,7 @@ def arctangents(random_: random.Random) -> Drawn:
     def potential(x: float) -> float:
         total = 0.0
         for sign, edge in ((1.0, place), (-1.0, place + width)):
-            u = 100.0 * (x - edge) / width
-            total += sign * (u * math.atan(u) - 0.5 * math.log1p(u * u))
+            total += sign * arctangent_integral(100.0 * (x - edge) / width)
         return height * width / (100.0 * math.pi) * total
 
     def wanted(result: ks.Result) -> dict[str, tuple[float, float, float]]:
@@ -283,13 +287,11 @@ def rise(random_: random.Random) -> Drawn:
     width: float = 10.0 ** random_.uniform(-5.0, -1.0)
     place, height = random_.uniform(1.0, 0.5 * END * SPEED), random_.uniform(0.02, 0.2)
 
-    def area(x: float) -> float:
-        u = (x - place) / width
-        return width * (u * math.atan(u) - 0.5 * math.log1p(u * u))
-
     def wanted(result: ks.Result) -> dict[str, tuple[float, float, float]]:
         cart = result.body("cart")
-        work = -height * (area(cart.position[-1, 0]) - area(0.0))
+        ends = (0.0, cart.position[-1, 0])
+        first, last = (arctangent_integral((x - place) / width) for x in ends)
+        work = -height * width * (last - first)
         return {"speed [m/s]": (cart.velocity[-1, 0], math.sqrt(SPEED * SPEED + 2.0 * work), SPEED)}
 
     return {"place": place, "width": width, "height": height}, wanted
