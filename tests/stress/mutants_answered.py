@@ -68,13 +68,34 @@ ANSWERS = {
             " what rounding of places does to them"
         ),
     },
+    "codegen/templates/c/kernels_batch.c.jinja": {
+        "'<=' -> '<' in 'for (; i + LANES <= n; i += LANES) {'": (
+            "what fills the last lanes is computed one by one: the same bits, more slowly"
+        ),
+    },
+    "codegen/templates/linkage/__init__.py.jinja": {
+        "'and' -> 'or' in '``solve()`` gives": (
+            "a word of a docstring that is generated, which generate --check compares"
+        ),
+    },
     "codegen/templates/dynamics/_segments.jinja": {
         "'8' -> '(2 * 8)' in '{{ segment.table | indent(8, first=true) }}'": (
             "white space of what is generated, which generate --check compares"
         ),
     },
+    "runtime/integrate/crossing.h": {
+        "'near_a, near_b' -> 'near_b, near_a' in": (
+            "the larger of two numbers, whichever is first"
+        ),
+    },
     "runtime/integrate/distances.h": {
         "'1' -> '(2 * 1)' in 'if (falls_in(0, k, nodes) ||": "true as well",
+    },
+    "runtime/integrate/row_switch.py": {
+        "'0' -> '1' in 'return np.where(index < 0, fixed": (
+            "another choice of rows that depend on each other: the same motion;"
+            " tests/runtime/test_dynamics_design.py asks for the masses that weigh them"
+        ),
     },
     "runtime/integrate/stepper.py": {
         "'<' -> '<=' in 'if not trial.is_last or following < state.step_size:'": (
@@ -117,6 +138,9 @@ ANSWERS = {
         ),
     },
     "runtime/integrate/stepper.h": {
+        "'best, WORSE_ERROR_PART * e2' -> 'WORSE_ERROR_PART * e2, best' in": (
+            "the larger of two numbers, whichever is first"
+        ),
         "'<' -> '<=' in 'if (tried->shorter++ < MOST_SHORTER)": (
             "one attempt more before a step is given up"
         ),
