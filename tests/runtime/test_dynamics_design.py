@@ -21,6 +21,8 @@ from kousoku.model.reading.read import scene_from_toml
 from kousoku.model.records.problems import Problems
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.dynamics_targets import Memory
+from kousoku.runtime.integrate import row_switch
+from kousoku.runtime.integrate.scene_tables import Work
 from kousoku.runtime.integrate.settings import Status
 from tests.runtime.test_dynamics_row_switch import BAD, END, write_without
 from tests.runtime.test_dynamics_row_switch import SCENE as BRICARD
@@ -342,6 +344,15 @@ def test_rows_that_take_over_are_weighed_with_the_masses_of_the_run(
     for run in (one, other):
         run.finish()
     np.testing.assert_array_equal(one.state, other.state)
+    target: Any
+    of_file: Any
+    target, of_file = (load_dynamics(folder, target="numpy").target for folder in folders)
+    slots = np.zeros(target.work_size)
+    work = Work(target.solver.scene, slots)
+    target.evaluate(0.0, solver.q, solver.v, np.array([1.5]), slots)
+    assert 0 in work.scene.mass_places  # the first number of the design is a mass, too
+    weighed = row_switch.inverse_masses(work)
+    np.testing.assert_allclose(weighed, of_file.solver.scene.inverse_masses, rtol=1e-15, atol=0)
 
 
 def _made(folder: Path) -> Path:
