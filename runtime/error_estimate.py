@@ -41,6 +41,8 @@ class ErrorEstimate:
         The last row before the runs are apart by a tenth of a length of the scene, or of a radian,
         as where a motion is chaotic, or before the second one has stopped: the estimate is of the
         rows up to it.
+    stop : str
+        Why the second run has stopped there; "" where it has not.
     """
 
     length: float
@@ -48,6 +50,7 @@ class ErrorEstimate:
     unit: str
     method: str
     unknown_from: float | None
+    stop: str = ""
 
     def as_data(self) -> dict[str, object]:
         """Estimate as data, ready for JSON."""
@@ -56,9 +59,12 @@ class ErrorEstimate:
     @property
     def unknown(self) -> str:
         """From when on nothing is known."""
+        begin = f"from t = {self.unknown_from:.6g} s on nothing is known: {self.method}"
+        if self.stop:
+            return f"{begin}, which the run is compared with, stops: {self.stop}"
         return (
-            f"from t = {self.unknown_from:.6g} s on nothing is known: {self.method} goes elsewhere,"
-            " as where a motion is chaotic; try a smaller tolerance or step, or a shorter time"
+            f"{begin} goes elsewhere, as where a motion is chaotic; try a smaller tolerance or"
+            " step, or a shorter time"
         )
 
     def __str__(self) -> str:
@@ -94,7 +100,7 @@ def second_times(times: Array, options: Options) -> Array:
     return np.insert(times, np.arange(1, len(times)), between)
 
 
-def error_estimate(first: Motion, second: Motion, size: float) -> ErrorEstimate:
+def error_estimate(first: Motion, second: Motion, size: float, stop: str = "") -> ErrorEstimate:
     """Error of the first of two runs: the largest |r₁ − r₂| and 4 arcsin(½ |p₁ ∓ p₂|) of bodies.
 
     Positions r (n, 3) [unit of the scene] are in frame O, p (n, 4) [-] are Euler parameters; of ∓
@@ -106,6 +112,8 @@ def error_estimate(first: Motion, second: Motion, size: float) -> ErrorEstimate:
         Rows at the same times; the second one may have fewer.
     size : float [unit of the scene]
         A length of the scene.
+    stop : str
+        Why the second one has fewer.
     """
     count = min(len(first), len(second))
     lengths, angles = np.zeros(count), np.zeros(count)
@@ -120,4 +128,5 @@ def error_estimate(first: Motion, second: Motion, size: float) -> ErrorEstimate:
     comparable = int(apart[0]) if len(apart) else count
     unknown_from = float(first.time[max(comparable - 1, 0)]) if comparable < len(first) else None
     length, angle = (float(errors[:comparable].max(initial=0.0)) for errors in (lengths, angles))
-    return ErrorEstimate(length, angle, first.unit, second.method, unknown_from)
+    reason = stop if comparable == count < len(first) else ""
+    return ErrorEstimate(length, angle, first.unit, second.method, unknown_from, reason)

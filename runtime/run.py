@@ -387,14 +387,15 @@ class Run:
         times, options = second_times(first.time.copy(), self.options), second_options(self.options)
         again = Run(self.solver, times, options)
         again._goes_past_stops = True  # to where the first one ended, be its own a little before
+        stop = ""
         try:
             second = again.finish(progress)
-        except MotionError:
-            second = again.motion()
+        except MotionError as error:
+            second, stop = again.motion(), str(error)
         every = 2 if len(times) > len(first) else 1
         second = Motion(second.layout, second.rows[::every], target="", method=second.method)
         self.seconds["error"] = perf_counter() - begin
-        return error_estimate(first, second, self.solver.length / self.solver.unit)
+        return error_estimate(first, second, self.solver.length / self.solver.unit, stop)
 
     def _steps_left(self) -> int:
         return max(0, self.options.most_steps - self.steps)

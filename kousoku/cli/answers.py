@@ -302,6 +302,7 @@ class ErrorEstimateAnswer(TypedDict):
     unit: str
     method: str
     unknown_from: JsonNumber | None
+    stop: str
 
 
 class TrustAnswer(TypedDict):

@@ -10,11 +10,11 @@ import pytest
 
 import kousoku
 from kousoku.runtime.error_estimate import error_estimate
+from kousoku.runtime.integrate.motion import Motion
 from kousoku.runtime.messages import shortly
 
 if TYPE_CHECKING:
     from kousoku.mechanism import Mechanism
-    from kousoku.runtime.integrate.motion import Motion
 
 SCENES = Path(__file__).parents[2] / "scenes"
 CART: dict[str, Any] = {
@@ -358,15 +358,25 @@ def test_error_of_fixed_steps_is_near_the_true_one(options: dict[str, Any]) -> N
 
 def test_it_says_from_when_on_nothing_is_known() -> None:
     mechanism = cart("-3*x")
-    first = cast("Motion", mechanism.simulate(1, samples=11))
-    second = cast("Motion", mechanism.simulate(1, samples=11))
+    first = cast(Motion, mechanism.simulate(1, samples=11))
+    second = cast(Motion, mechanism.simulate(1, samples=11))
     second.rows = second.rows.copy()
     second.rows[7:, 1:4] += 0.5
     error = error_estimate(first, second, 1.0)
     assert error.unknown_from == pytest.approx(0.6)  # between two rows nothing was compared
     assert error.length == 0.0
     assert "up to t = 0.6 s" in str(error)
+    assert "chaotic" in error.unknown
     assert error_estimate(first, first, 1.0).unknown_from is None
+
+
+def test_it_says_that_the_second_run_stops() -> None:
+    first = cast(Motion, cart("-3*x").simulate(1, samples=11))
+    second = Motion(first.layout, first.rows[:6], target="", method="dopri5")
+    error = error_estimate(first, second, 1.0, "the force has no finite value")
+    assert error.unknown_from == pytest.approx(0.5)
+    assert error.unknown.endswith("stops: the force has no finite value")
+    assert "chaotic" not in error.unknown
 
 
 def test_driven_motion_is_compared_at_its_rows_by_other_steps() -> None:
