@@ -150,6 +150,8 @@ def _in_python(method: RungeKuttaMethod) -> dict[str, list[float]]:
     rows_by_name = {"c": [*method.c], "error": [*method.errors[0]]}
     rows_by_name |= {f"error_{k + 1}": [*row] for k, row in enumerate(method.errors) if k}
     tables = {"a": method.a, "dense": method.dense}
+    if method.works:
+        tables["works"] = method.works
     return rows_by_name | {name: [x for row in rows for x in row] for name, rows in tables.items()}
 
 

@@ -89,9 +89,6 @@
  * bodies by a part of LENGTH in the step, and no less than rounding leaves where nothing moves, in
  * the longest step so far: in a short one rates of what does move are no larger */
 #define USUAL_STEP_MOTION 0.05
-/* errors of works of DOP853 are compared with so many times the energy that moves at most: with as
- * much as the verdict allows */
-#define MOST_MOVED 100.0
 /* a first step in the time in which bodies move LENGTH, or a radian; where nothing moves yet, in
  * the whole time; and how much longer it may be than the Euler step that tells how derivatives
  * change, the same book, II.4 */
@@ -245,12 +242,10 @@ static double estimate(const Method *m, const double *row, const Trial *trial, c
             sum += (u[i] / size) * (u[i] / size);
         }
     }
-    /* compared with the energy that moves: where the polynomial has an order less works between
-     * steps are no better */
+    /* work is compared with the energy that moves */
     for (size_t i = NQ - WORKS; i != NQ; ++i) {
-        const double times = m->order == 5 ? 1.0 : MOST_MOVED;
-        const double moving = energy_of_works(
-            trial->h, end, times * larger(s->moved, trial->moved), s);
+        const double moved = m->work_scale * larger(s->moved, trial->moved);
+        const double moving = energy_of_works(trial->h, end, moved, s);
         const double least = moving + work->w[W_ENERGIES];
         const double size = least + larger(fabs(now[i]), fabs(end[i]));
         sum += (error[i] / size) * (error[i] / size);

@@ -149,9 +149,6 @@ WORSE_ESTIMATE_PART = 0.01
 #: bodies by a part of a length in the step, and no less than rounding leaves where nothing moves,
 #: in the longest step so far: in a short one rates of what does move are no larger.
 USUAL_STEP_MOTION = 0.05
-#: Errors of works of DOP853 are compared with so many times the energy that moves at most: with as
-#: much as the verdict allows.
-MOST_MOVED = 100.0
 #: A first step in the time in which bodies move a length of the scene, or a radian; where nothing
 #: moves yet, in the whole time; and how much longer it may be than the Euler step that tells how
 #: derivatives change, the same book, II.4.
@@ -385,8 +382,7 @@ def estimate(
     errors[0] /= scene.lengths
     errors[1] /= rate * scene.lengths + np.maximum(np.abs(now[nq:]), np.abs(end[nq:]))
     works = slice(nq - scene.works, nq)  # work is compared with the energy that moves
-    # where the polynomial has an order less works between steps are no better
-    moved = (1.0 if m.order == 5 else MOST_MOVED) * larger(state.moved, trial.moved)
+    moved = m.work_scale * larger(state.moved, trial.moved)
     least = energy_of_works(trial.h, end, moved, state, work) + work.w.energies[0]
     size = least + np.maximum(np.abs(now[works]), np.abs(end[works]))
     all_errors = np.concatenate((errors.ravel(), error[works] / size))

@@ -158,6 +158,8 @@ class MethodText:
     stages: int
     all: int
     dense_rows: int
+    work_rows: int
+    work_scale: float
     arrays: tuple[tuple[str, str], ...]
     has_second_error: bool
 
@@ -522,12 +524,16 @@ def method_text(method: RungeKuttaMethod) -> MethodText:
     }
     if len(method.errors) > 1:
         flat["error_2"] = method.errors[1]
+    if method.works:
+        flat["works"] = [x for row in method.works for x in row]
     return MethodText(
         name=method.name,
         order=method.order,
         stages=method.stages,
         all=method.all,
         dense_rows=len(method.dense),
+        work_rows=len(method.works),
+        work_scale=method.work_scale,
         arrays=tuple((name, in_lines(f"{x!r}," for x in row)) for name, row in flat.items()),
         has_second_error=len(method.errors) > 1,
     )
