@@ -13,9 +13,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from fractions import Fraction
+from itertools import chain, pairwise
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.composition.schur import Schur
+from kousoku.codegen.dynamics.disjoint_sets import DisjointSets
 from kousoku.codegen.dynamics.operations.elimination import Couple, Gather
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.recording.matrix import Matrix
@@ -83,16 +85,14 @@ class Scale:
 
 def merged(groups: Iterable[Sequence[str]]) -> list[frozenset[str]]:
     """Groups of joints such that no joint is in two of them, in the order of the first."""
-    sets: list[frozenset[str]] = []
+    groups = list(groups)
+    names = list(dict.fromkeys(chain.from_iterable(groups)))
+    index = {name: k for k, name in enumerate(names)}
+    sets = DisjointSets(index.values())
     for group in groups:
-        total = frozenset(group)
-        overlapping = [k for k, other in enumerate(sets) if other & total]
-        for k in overlapping:
-            total |= sets[k]
-        index = overlapping[0] if overlapping else len(sets)
-        sets = [other for k, other in enumerate(sets) if k not in overlapping]
-        sets.insert(index, total)
-    return sets
+        for a, b in pairwise(group):
+            sets.join(index[a], index[b])
+    return [frozenset(names[k] for k in members) for members in sets.sets()]
 
 
 @dataclass(frozen=True, slots=True)
