@@ -23,14 +23,15 @@
 /* second derivatives of what formulas read are taken to lie within this many times their rise in
  * the cubic polynomial, above and below their mean */
 #define DOUBT 2.0
-/* samples resolve a part if its rate bounds differ by at most this many times the range of the
- * samples, summed over the cells and times their lengths */
+/* samples resolve a part if the sum over all cells of the width of its rate bounds, times the
+ * length of the cell, is at most this many times the range of the samples */
 #define EXPLAINED 2.0
-/* where formulas switch and an error is known, samples also resolve a part if its value bounds
- * differ by at most this many times the range of the samples, summed over the cells: a hill between
- * two samples goes up and down, which sums to twice its height */
+/* where formulas switch and an error is known, samples also resolve a part if the sum over all
+ * cells of the width of its value bounds is at most this many times their range: a hill between two
+ * samples goes up and down, and would make it twice */
 #define SHOWN 1.5
-/* samples are few for a part if the sum of EXPLAINED is more than this many times their range */
+/* samples are few for a part if the sum that EXPLAINED bounds is more than this many times their
+ * range */
 #define SMOOTH 0.25
 /* negligible variation of a part, relative to its size */
 #define NEGLIGIBLE_VARIATION 1e-12
@@ -74,16 +75,16 @@
 /* a step that leads over a pole of a force is made again, over this part of the way to the pole */
 #define CLOSER 0.9
 /* a run ends where the way to a pole is at most this part of its longest step. An event that is
- * back at zero after no more than that may have been thrown back */
+ * back at zero within this part of it may have been thrown back */
 #define NO_WAY 1e-6
 /* a function is near to zero at a node where it is less than this many times its noise; the noise
  * at other nodes tells nothing of how near it comes to zero between them */
 #define BANDS 16.0
-/* an event that is back at zero, some time after it passed zero, has evenly gone through a narrow
- * window if it was outside of it this many times as long ago.. */
+/* time of a look back at an event that is back at zero, in units of the time since it passed zero:
+ * one that has gone evenly through a narrow window was outside of it then */
 #define EARLIER 1.5
-/* ... and was in it this many times as long ago, and is outside again this many times as long
- * ahead */
+/* times of a second look back and of one ahead, in the same unit: such an event was in the window
+ * then, and will be outside again */
 #define HALF 0.5
 /* a zero is transversal if at its speed the value leaves this many times its noise, within the
  * longest step so far and before it comes to rest; the same holds for a rate, which changes as fast
@@ -165,7 +166,7 @@ typedef struct {
      * the time of the distance or jump that it was made for [s] */
     int place_cuts;
     double place_cut, place;
-    /* whether the last such cut is right behind this time, to lead over it */
+    /* whether a step to this cut only leads over the distance or jump */
     int is_over;
     /* upper bounds of the first crossing of each function at which a force jumps, or infinite
      * [s] */

@@ -47,14 +47,15 @@ MOST_NODES = 512
 #: Second derivatives of what formulas read are taken to lie within this many times their rise in
 #: the cubic polynomial, above and below their mean.
 DOUBT = 2.0
-#: Samples resolve a part if its rate bounds differ by at most this many times the range of the
-#: samples, summed over the cells and times their lengths.
+#: Samples resolve a part if the sum over all cells of the width of its rate bounds, times the
+#: length of the cell, is at most this many times the range of the samples.
 EXPLAINED = 2.0
-#: Where formulas switch and an error is known, samples also resolve a part if its value bounds
-#: differ by at most this many times the range of the samples, summed over the cells: a hill between
-#: two samples goes up and down, which sums to twice its height.
+#: Where formulas switch and an error is known, samples also resolve a part if the sum over all
+#: cells of the width of its value bounds is at most this many times their range: a hill between two
+#: samples goes up and down, and would make it twice.
 SHOWN = 1.5
-#: Samples are few for a part if the sum of EXPLAINED is more than this many times their range.
+#: Samples are few for a part if the sum that EXPLAINED bounds is more than this many times their
+#: range.
 SMOOTH = 0.25
 #: Negligible variation of a part, relative to its size.
 NEGLIGIBLE_VARIATION = 1e-12
@@ -100,16 +101,16 @@ EVENLY = 1.5
 #: A step that leads over a pole of a force is made again, over this part of the way to the pole.
 CLOSER = 0.9
 #: A run ends where the way to a pole is at most this part of its longest step. An event that is
-#: back at zero after no more than that may have been thrown back.
+#: back at zero within this part of it may have been thrown back.
 NO_WAY = 1e-6
 #: A function is near to zero at a node where it is less than this many times its noise; the noise
 #: at other nodes tells nothing of how near it comes to zero between them.
 BANDS = 16.0
-#: An event that is back at zero, some time after it passed zero, has evenly gone through a narrow
-#: window if it was outside of it this many times as long ago...
+#: Time of a look back at an event that is back at zero, in units of the time since it passed zero:
+#: one that has gone evenly through a narrow window was outside of it then.
 EARLIER = 1.5
-#: ... and was in it this many times as long ago, and is outside again this many times as long
-#: ahead.
+#: Times of a second look back and of one ahead, in the same unit: such an event was in the window
+#: then, and will be outside again.
 HALF = 0.5
 #: A zero is transversal if at its speed the value leaves this many times its noise, within the
 #: longest step so far and before it comes to rest; the same holds for a rate, which changes as fast
@@ -215,7 +216,7 @@ class Search:
     place_cut, place : float [s]
         End of the last such cut, and the time of the distance or jump that it was made for.
     is_over : bool
-        Whether the last such cut is right behind this time, to lead over it.
+        Whether a step to this cut only leads over the distance or jump.
     breaks : array [s]
         Upper bounds of the first crossing of each function at which a force jumps, or infinite.
     """
