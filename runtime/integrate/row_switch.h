@@ -2,8 +2,8 @@
  * depend on others and are left out. Where those that are kept are nearly dependent, the rows that
  * were left out take over: all rows are solved for, as many as are independent, in the order of the
  * largest pivots. A column of C_q is the rate of the rows at a unit velocity less their rate at
- * rest, -nu, which drivers cause. Rows of drivers are always solved for: their multipliers are the
- * same whichever others are. */
+ * rest, -nu, which drivers cause. No row of a driver depends on
+ * others: its multiplier is the same whichever rows are solved for. */
 
 /* pivot ratio of the rows that are kept, relative to the largest so far, below which rows that were
  * left out may take over */
