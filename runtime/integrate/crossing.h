@@ -877,11 +877,11 @@ static double polished_cut(const Search *search, const State *s, Work *work)
     return search->cut;
 }
 
-/* whether an event that passed zero is back there, where a jump of a force threw it back, as it
- * does all the time while dry friction holds a body at rest. Nothing got further meanwhile than it
- * is known to. On its way through a narrow window it goes on evenly: half as long ago as it passed
- * zero it was on the side that it leaves, before and soon it is on the other one. Where it was held
- * once that is not asked again */
+/* whether an event that passed zero is back there, where a jump of a force threw it back. Dry
+ * friction that holds a body at rest does that all the time. It is so if nothing has moved since
+ * the event passed zero by more than its noise, unless the event goes evenly through a narrow
+ * window: then it was on the side that it leaves half of this time ago, and is on the other one
+ * before and soon. An event that was held once is not asked again */
 static int is_thrown_back(size_t k, double end, const Search *search, State *s, Work *work)
 {
     const double way = end - s->crossed[k];

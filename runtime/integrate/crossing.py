@@ -874,10 +874,10 @@ def polished_cut(search: Search) -> float:
 def is_thrown_back(k: int, end: float, search: Search) -> bool:
     """Whether an event that passed zero is back there, where a jump of a force threw it back.
 
-    So it is all the time while dry friction holds a body at rest. Nothing got further meanwhile
-    than it is known to. On its way through a narrow window it goes on evenly: half as long ago as
-    it passed zero it was on the side that it leaves, before and soon it is on the other one. Where
-    it was held once that is not asked again.
+    Dry friction that holds a body at rest does that all the time. It is so if nothing has moved
+    since the event passed zero by more than its noise, unless the event goes evenly through a
+    narrow window: then it was on the side that it leaves half of this time ago, and is on the
+    other one before and soon. An event that was held once is not asked again.
     """
     state, elapsed, read = search.state, end - search.state.crossed[k], read_at(end, search)
     speeds, known = np.column_stack((read[:, 1], search.second_mean)), search.noise[:, 0]

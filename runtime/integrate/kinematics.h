@@ -266,11 +266,11 @@ static double unbalanced(const Settings *settings, double h, const State *s, Wor
 }
 
 /* sums the works of a step by a better rule than Simpson's, unless that is good enough, and returns
- * the error in units of the tolerance. What Simpson's rule leaves is about the square of what
- * trapezoids leave, each compared with what they sum. Where this is not far below the tolerance two
- * more positions tell it, and works are summed by Lobatto's rule. So it is tried in every so many
- * steps anyway: where periodic powers are the same at both ends and in the middle, they are not at
- * its nodes. What Simpson's rule has left since the last trial goes to the ledger. */
+ * the error in units of the tolerance. The relative error of Simpson's rule is about the square of
+ * that of the trapezoidal rule. Unless it is far below the tolerance, two more positions estimate
+ * it, and works are summed by Lobatto's rule. This rule is also tried once in RULE_TRIAL_STEPS
+ * steps: periodic powers that are the same at both ends and in the middle differ at its nodes. The
+ * error of Simpson's rule since the last trial goes to the ledger */
 static double sum_works(const Settings *settings, double end, double weak, int has_nodes, State *s,
     Work *work, int *is_estimated)
 {

@@ -359,11 +359,11 @@ def sum_works(
 ) -> tuple[float, bool]:
     """Sum the works of a step by a better rule than Simpson's, unless that is good enough.
 
-    What Simpson's rule leaves is about the square of what trapezoids leave, each compared with what
-    they sum. Where this is not far below the tolerance two more positions tell it, and works are
-    summed by Lobatto's rule. So it is tried in every so many steps anyway: where periodic powers
-    are the same at both ends and in the middle, they are not at its nodes. What Simpson's rule has
-    left since the last trial goes to the ledger.
+    The relative error of Simpson's rule is about the square of that of the trapezoidal rule. Unless
+    it is far below the tolerance, two more positions estimate it, and works are summed by Lobatto's
+    rule. This rule is also tried once in ``RULE_TRIAL_STEPS`` steps: periodic powers that are the
+    same at both ends and in the middle differ at its nodes. The error of Simpson's rule since the
+    last trial goes to the ledger.
 
     Returns
     -------

@@ -12,8 +12,8 @@
  * that varies with the state, a stage lies beyond a switch that the polynomial does not meet, or
  * samples are few for how a part varies */
 #define MOST_SHORTER 8
-/* reject a step if stages with zero weight at its end accelerate more than this many times as much
- * as the others, and as its end speed over its length */
+/* reject a step if a stage with zero weight at its end has accelerations more than this many times
+ * those of the other stages, and the speeds at its end over its length */
 #define THROWN_OFF 10.0
 /* a rejected step is cut for a crossing no earlier than at this part of its length: what its
  * polynomial shows before that is not believed. A step of fixed length is treated alike if its
@@ -64,7 +64,8 @@
 /* tolerance above which the motion in every step is limited, so that no stages pass by a place
  * where branches meet. Where drivers determine the motion it is so at every tolerance */
 #define LOOSE_TOLERANCE 1e-3
-/* longest motion of bodies in a step that is limited so, in lengths of the scene or radians */
+/* longest motion of bodies in a step that is limited for this reason, in lengths of the scene or
+ * radians */
 #define LONGEST_IF_LOOSE 1.2
 /* number of stages from which on a method has many: they lie twice as densely in a step */
 #define MANY_STAGES 12
@@ -73,7 +74,7 @@
  * turn: no step passes two places where branches meet */
 #define LONGEST_OF_MANY_STAGES 1.5
 /* these limits do not apply where the smallest branch ratio in a step exceeds this part of the
- * largest: so level ratios come near no other branch */
+ * largest: no place where branches meet is passed by if ratios are as level as that */
 #define LEVEL_RATIO_PART 0.999
 /* factor of the estimated error where the two results that an estimate compares are off alike. They
  * are from a place on where a force goes with t^p: the error is 64 times the estimate for p = 0.1,
@@ -83,8 +84,9 @@
 /* the same factor for methods with many stages, where the error is 7, 5 and 3 times the estimate
  * for these p */
 #define BLIND_ERROR_OF_MANY_STAGES 5.0
-/* the root of the branch ratio may have changed its sign before a stage where the line through the
- * roots at two neighbouring stages leads to less than this part of it */
+/* the root of the branch ratio may have changed its sign between two stages if a line through the
+ * roots at one of them and at the stage beyond it leads to less than this part of the root at the
+ * other one */
 #define SIGN_CHANGE_PART 0.2
 /* safety factor of a step length that follows from a longest motion of bodies */
 #define LIMITED_STEP_PART 0.98
@@ -124,7 +126,8 @@
  * the verdict on a run allows */
 #define MOST_MOVED 100.0
 /* motion of bodies in the Euler step that precedes the first step, in lengths of the scene or
- * radians: it tells how derivatives change. The same book, II.4 */
+ * radians: it tells how derivatives change. Also the factor of the tolerance from which the length
+ * of the first step follows. The same book, II.4 */
 #define FIRST_STEP_MOTION 0.01
 /* length of this Euler step where nothing moves yet, relative to the whole time */
 #define FIRST_STEP_SPAN_PART 1e-6
@@ -227,9 +230,10 @@ static void note_extent(const double *end, const double *w, State *s)
 /* the energy of all bodies where they move at such a rate */
 static double usual_energy(double rate) { return MASS * (LENGTH * rate) * (LENGTH * rate) / 2.0; }
 
-/* the energy that errors of works are compared with, where so much has moved in a step of length h:
- * that of all bodies at the usual rate, and maybe far less where they move at all: where one of
- * them is fast heavy ones may stand */
+/* energy that errors of works are compared with, where so much has moved in a step of length h. It
+ * is that of all bodies at the usual rate up to the end, or the energy that has moved if that is
+ * less: where one body is fast, heavy ones may stand. It is no less than that of all bodies at a
+ * rate that counts as rest */
 static double energy_of_works(double h, const double *end, double moved, const State *s)
 {
     const double usual = usual_energy(usual_rate(h, end, s));
@@ -614,8 +618,9 @@ static int is_near_power(const Attempts *tried, const Trial *trial, const State 
 }
 
 /* the error of a trial in which samples are few for how a part varies: as if estimates were blind.
- * Beside an infinite force, and where rounding decides, no step is short enough for that: not for
- * ever, and of no step that is a tiny part of the time */
+ * Beside an infinite force, and where rounding decides, samples are few in every step, however
+ * short. So this is done a limited number of times, and not in a step that is a tiny part of the
+ * time */
 static double error_where_coarse(Attempts *tried, const Trial *trial)
 {
     const double tiny = FINEST * larger(fabs(trial->end), fabs(tried->limit));
@@ -762,10 +767,10 @@ static double crossing_in(Attempts *tried, Trial *trial, Work *work, State *s)
     return broken;
 }
 
-/* where a trial must end so that samples tell up to a time how narrow parts vary; noted where it
- * cannot be shorter for that. Where they are few it has the error of blind estimates: those of a
- * step that ends beside the middle of a steep rise have been a hundredth of a tolerance where it
- * was off by 500, as stages lie on both sides */
+/* time at which a trial must end so that samples up to a time resolve parts of formulas; noted
+ * where it cannot be shorter for that. If samples are few, the trial gets the error of blind
+ * estimates. In a step that ended beside the middle of a steep rise, with stages on both sides, the
+ * estimate was a hundredth of a tolerance and the error 500 */
 static double resolved_in(double until, Attempts *tried, Trial *trial, Work *work, State *s)
 {
     Search *search = &tried->search;
@@ -788,9 +793,9 @@ static double resolved_in(double until, Attempts *tried, Trial *trial, Work *wor
     return to;
 }
 
-/* where a trial must end so that its polynomial meets up to a time what its stages do. Where it
- * cannot be shorter for that, what stages of the polynomial alone meet is noted: of the others an
- * error tells. At a cut rounding decides */
+/* time at which a trial must end so that its polynomial meets what its stages do. If it has been
+ * shortened for that too often, a switch that a stage of the dense output alone meets is noted as
+ * unresolved: of those that other stages meet the error tells. At a cut rounding decides */
 static double met_in(double until, Attempts *tried, const Trial *trial, Work *work, State *s)
 {
     Search *search = &tried->search;

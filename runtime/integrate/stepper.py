@@ -73,8 +73,8 @@ AVOIDING_STEP_PART = 0.9
 #: that varies with the state, a stage lies beyond a switch that the polynomial does not meet, or
 #: samples are few for how a part varies.
 MOST_SHORTER = 8
-#: Reject a step if stages with zero weight at its end accelerate more than this many times as much
-#: as the others, and as its end speed over its length.
+#: Reject a step if a stage with zero weight at its end has accelerations more than this many times
+#: those of the other stages, and the speeds at its end over its length.
 THROWN_OFF = 10.0
 #: A rejected step is cut for a crossing no earlier than at this part of its length: what its
 #: polynomial shows before that is not believed. A step of fixed length is treated alike if its
@@ -124,7 +124,8 @@ LONGEST_NEAR_BRANCHES = 0.75
 #: Tolerance above which the motion in every step is limited, so that no stages pass by a place
 #: where branches meet. Where drivers determine the motion it is so at every tolerance.
 LOOSE_TOLERANCE = 1e-3
-#: Longest motion of bodies in a step that is limited so, in lengths of the scene or radians.
+#: Longest motion of bodies in a step that is limited for this reason, in lengths of the scene or
+#: radians.
 LONGEST_IF_LOOSE = 1.2
 #: Number of stages from which on a method has many: they lie twice as densely in a step.
 MANY_STAGES = 12
@@ -133,7 +134,7 @@ MANY_STAGES = 12
 #: turn: no step passes two places where branches meet.
 LONGEST_OF_MANY_STAGES = 1.5
 #: These limits do not apply where the smallest branch ratio in a step exceeds this part of the
-#: largest: so level ratios come near no other branch.
+#: largest: no place where branches meet is passed by if ratios are as level as that.
 LEVEL_RATIO_PART = 0.999
 #: Factor of the estimated error where the two results that an estimate compares are off alike. They
 #: are from a place on where a force goes with t^p: the error is 64 times the estimate for p = 0.1,
@@ -143,8 +144,9 @@ BLIND_ERROR = 40.0
 #: The same factor for methods with many stages, where the error is 7, 5 and 3 times the estimate
 #: for these p.
 BLIND_ERROR_OF_MANY_STAGES = 5.0
-#: The root of the branch ratio may have changed its sign before a stage where the line through the
-#: roots at two neighbouring stages leads to less than this part of it.
+#: The root of the branch ratio may have changed its sign between two stages if a line through the
+#: roots at one of them and at the stage beyond it leads to less than this part of the root at the
+#: other one.
 SIGN_CHANGE_PART = 0.2
 #: Safety factor of a step length that follows from a longest motion of bodies.
 LIMITED_STEP_PART = 0.98
@@ -184,7 +186,8 @@ USUAL_STEP_MOTION = 0.05
 #: the verdict on a run allows.
 MOST_MOVED = 100.0
 #: Motion of bodies in the Euler step that precedes the first step, in lengths of the scene or
-#: radians: it tells how derivatives change. The same book, II.4.
+#: radians: it tells how derivatives change. Also the factor of the tolerance from which the length
+#: of the first step follows. The same book, II.4.
 FIRST_STEP_MOTION = 0.01
 #: Length of this Euler step where nothing moves yet, relative to the whole time.
 FIRST_STEP_SPAN_PART = 1e-6
@@ -367,8 +370,9 @@ def usual_energy(rate: float, scene: SceneTables) -> float:
 def energy_of_works(h: float, end: Array, moved: float, state: State, work: Work) -> float:
     """Energy [J] that errors of works are compared with, where so much [J] has moved in h [s].
 
-    It is that of all bodies at the usual rate up to the end (ny,), and may be far less where they
-    move at all: where one of them is fast heavy ones may stand.
+    It is that of all bodies at the usual rate up to the end (ny,), or the energy that has moved if
+    that is less: where one body is fast, heavy ones may stand. It is no less than that of all
+    bodies at a rate that counts as rest.
     """
     usual = usual_energy(usual_rate(h, end, state, work), work.scene)
     least = usual_energy(NOTHING_MOVES / larger(state.stride, h), work.scene)
@@ -767,8 +771,9 @@ def is_near_power(tried: Attempts, trial: Trial, work: Work, state: State) -> bo
 def error_where_coarse(tried: Attempts, trial: Trial) -> float:
     """Error of a trial in which samples are few for how a part varies: as if estimates were blind.
 
-    Beside an infinite force, and where rounding decides, no step is short enough for that: not for
-    ever, and of no step that is a tiny part of the time.
+    Beside an infinite force, and where rounding decides, samples are few in every step, however
+    short. So this is done a limited number of times, and not in a step that is a tiny part of the
+    time.
     """
     tried.coarse += 1
     tiny = FINEST * larger(abs(trial.end), abs(tried.limit))
@@ -908,11 +913,11 @@ def crossing_in(tried: Attempts, trial: Trial, work: Work, state: State) -> floa
 
 
 def resolved_in(until: float, tried: Attempts, trial: Trial, work: Work, state: State) -> float:
-    """Time [s] at which a trial must end so that samples up to a time resolve narrow parts.
+    """Time [s] at which a trial must end so that samples up to a time resolve parts of formulas.
 
-    Where they are few it has the error of blind estimates: those of a step that ends beside the
-    middle of a steep rise have been a hundredth of a tolerance where it was off by 500, as stages
-    lie on both sides.
+    If samples are few, the trial gets the error of blind estimates. In a step that ended beside the
+    middle of a steep rise, with stages on both sides, the estimate was a hundredth of a tolerance
+    and the error 500.
     """
     search, to = tried.search, trial.end
     if not work.scene.has_narrow or not is_kept(trial):
@@ -938,8 +943,8 @@ def resolved_in(until: float, tried: Attempts, trial: Trial, work: Work, state: 
 def met_in(until: float, tried: Attempts, trial: Trial) -> float:
     """Time [s] at which a trial must end so that its polynomial meets what its stages do.
 
-    Where it cannot be shorter for that, what stages of the polynomial alone meet is noted: of the
-    others an error tells.
+    If it has been shortened for that too often, a switch that a stage of the dense output alone
+    meets is noted as unresolved: of those that other stages meet the error tells.
     """
     search, is_cut = tried.search, trial.end == tried.search.cut  # at a cut rounding decides
     if not tried.has_switches or not is_kept(trial) or tried.is_beyond or is_cut:
@@ -1019,7 +1024,7 @@ def ends_well(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
 
 
 def keep(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
-    """Keep a trial, and note its crossings, and narrow parts that it leaves open."""
+    """Keep a trial, and note its crossings, and whether it leaves parts unresolved."""
     search, before = tried.search, state.step_size
     accept(tried, trial, work, state)
     if not work.scene.is_searched:
