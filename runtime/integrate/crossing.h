@@ -1,13 +1,12 @@
-/* Crossing: steps end where events are and where formulas of the state have a kink or a jump.
- *
+/* Crossing: steps end where events are and where formulas of the state have a kink or a jump. *
  * This is event location: a step that was tried is searched before it is kept. Its polynomial, the
- * dense output, tells at some times what formulas read: coordinates, lengths of springs, their
- * rates. That bounds them between these times, and they bound the functions and their rates, as of
- * switching functions of time. What is nearer to zero than the error of a step may be counts as
- * zero: a function crosses when it is beyond on the other side. Where bounds tell that one crosses
- * once its time is bisected. Then the step is made again, to end there. Parts of formulas that vary
- * with the state beyond polynomials are bounded likewise: where samples do not tell how, the step
- * is made shorter. */
+ * dense output, gives at some times what formulas read: coordinates, lengths of springs, their
+ * rates. Bounds of these between the times bound the functions and their rates, as of switching
+ * functions of time. Values that are nearer to zero than the error of a step count as zero: a
+ * function crosses when it is beyond on the other side. Where bounds show that one crosses once,
+ * its time is bisected. Then the step is made again, to end there. Parts of formulas that vary with
+ * the state beyond polynomials are bounded likewise: where samples do not show how, the step is
+ * made shorter. */
 
 /* smallest step, relative to the time, and rounding of values, relative to their size */
 #define SMALLEST 1e-15
@@ -493,15 +492,16 @@ static double domain_end(
     return end;
 }
 
-/* what values are known to where a function is looked for: an event is where the polynomial is
- * zero, and a force is infinite there */
+/* noise of values and rates with which the zero of a function is located. Events, and functions at
+ * whose zero a force is infinite, are located by the polynomial, with its rounding; the others are
+ * known to the noise of the motion */
 static const double *noise_of(size_t k, const Search *search)
 {
     return (int)k < EVENTS || (int)k >= N_SWITCHING ? search->rounding : search->noise;
 }
 
-/* the first time between two nodes at which a function that crosses does: those of events are zero
- * there, the others beyond it, so that what follows is all on the other side */
+/* the first time between two nodes at which a function that crosses does. An event is zero at this
+ * time; any other function is beyond zero, so that all that follows is on the other side */
 static double time_of(size_t k, const TimeNode *a, const TimeNode *b, const Search *search,
     const State *s, Work *work)
 {
@@ -564,9 +564,9 @@ static int is_short_of(
     return side_at(&node, k) != (int)s->sides[k];
 }
 
-/* when the first function but for events is on a side that was near to zero so far: formulas at
- * zero, where jumps are, tell nothing of what follows; those that are near to it on that side
- * already do */
+/* first time at which a function that was near to zero, but no event, is on a side. Values of
+ * formulas at zero, where they may jump, tell nothing of what follows; values near to zero on the
+ * side that is taken do */
 static double first_departure(
     const TimeNode *a, const TimeNode *b, const Search *search, const State *s, Work *work)
 {
@@ -603,9 +603,9 @@ static void sizes_beside(
     for (size_t k = 0; k != N_INFINITE; ++k) sizes[k] = fabs(middle(&node, N_BOUNDED + k));
 }
 
-/* whether a force is infinite where a function gets on a side of zero at a time, so that no motion
- * leads through: it grows as 1/x or faster on a side. What is 0/0 there, or jumps, does not
- * grow, and what grows less, as 1/sqrt(x), has a finite integral */
+/* whether a force is infinite where a function gets on a side of zero at a time. No motion leads
+ * through such a place: the force grows as 1/x or faster on a side. A force that is 0/0 there, or
+ * jumps, does not grow, and one that grows less, as 1/sqrt(x), has a finite integral */
 static int is_infinite(
     size_t k, int side, double time, const Search *search, const State *s, Work *work)
 {
@@ -820,10 +820,10 @@ static double gap_across(size_t k, int side, double time, double far, int is_bey
 }
 
 /* whether an event that gets on a side of zero in a step to an end is zero there. Else it jumps, or
- * goes through infinity: right beside the place it is as large as further away, or larger. Where
- * rounding hides that it counts as zero. It may be beyond a short step, of whose end no more is
- * known, where its polynomial tells nothing. Where it gets on the other side rounding brought it
- * back over a jump that was passed */
+ * goes through infinity: right beside the place it is then as large as further away, or larger.
+ * Where rounding hides the difference it counts as zero. Distances may exceed a short step, beyond
+ * which its polynomial tells nothing: values and rates at its end are then continued. If the event
+ * goes to the opposite side, rounding brought it back over a jump that was passed */
 static int passes_zero(
     size_t k, int side, double end, const Search *search, const State *s, Work *work)
 {

@@ -543,7 +543,8 @@ def domain_end(a: TimeNode, b: TimeNode, search: Search) -> float:
 def noise_of(k: int, search: Search) -> Array:
     """Noise (n, 2) of values and rates with which the zero of a function is located.
 
-    An event is where the polynomial is zero, and a force is infinite there.
+    Events, and functions at whose zero a force is infinite, are located by the polynomial, with its
+    rounding; the others are known to the noise of the motion.
     """
     scene = search.work.scene
     is_exact = k < len(scene.events) or k >= len(search.state.sides) - scene.n_poles
@@ -553,8 +554,8 @@ def noise_of(k: int, search: Search) -> Array:
 def time_of(k: int, a: TimeNode, b: TimeNode, search: Search) -> float:
     """Time [s] between two nodes at which a crossing function first does so.
 
-    Those of events are zero there, the others beyond it, so that what follows is all on the other
-    side.
+    An event is zero at this time; any other function is beyond zero, so that all that follows is on
+    the other side.
     """
     side, first, last = -float(side_at(b)[k]), a.time, b.time
     is_event, noise = k < len(search.work.scene.events), noise_of(k, search).copy()
@@ -609,8 +610,8 @@ def is_short_of(k: int, a: TimeNode, search: Search) -> bool:
 def first_departure(a: TimeNode, b: TimeNode, search: Search) -> float:
     """First time [s] at which a function that was near to zero, but no event, is on a side.
 
-    Formulas at zero, where jumps are, tell nothing of what follows; those that are near to it on
-    that side already do.
+    Values of formulas at zero, where they may jump, tell nothing of what follows; values near to
+    zero on the side that is taken do.
     """
     first, sides, now, before = math.inf, search.state.sides, side_at(b), middle(a)
     for k in range(len(search.work.scene.events), len(sides) - search.work.scene.n_poles):
@@ -753,8 +754,9 @@ def sizes_beside(offset: float, time: float, read: Array, search: Search) -> Arr
 def is_infinite(k: int, side: float, time: float, search: Search) -> bool:
     """Whether a force is infinite where a function gets on a side of zero at a time.
 
-    So that no motion leads through: it grows as 1/x or faster on a side. What is 0/0 there, or
-    jumps, does not grow, and what grows less, as 1/sqrt(x), has a finite integral.
+    No motion leads through such a place: the force grows as 1/x or faster on a side. A force that
+    is 0/0 there, or jumps, does not grow, and one that grows less, as 1/sqrt(x), has a finite
+    integral.
     """
     read, far = read_at(time, search), ROUNDINGS * SMALLEST * larger(abs(time), search.h)
     while (
@@ -817,10 +819,11 @@ def gap_across(
 def passes_zero(k: int, side: float, end: float, search: Search) -> bool:
     """Whether an event that gets on a side of zero in a step to an end is zero there.
 
-    Else it jumps, or goes through infinity: right beside the place it is as large as further away,
-    or larger. Where rounding hides that it counts as zero. It may be beyond a short step, of
-    whose end no more is known, where its polynomial tells nothing. Where it gets on the other side
-    rounding brought it back over a jump that was passed.
+    Else it jumps, or goes through infinity: right beside the place it is then as large as further
+    away, or larger. Where rounding hides the difference it counts as zero. Distances may exceed a
+    short step, beyond which its polynomial tells nothing: values and rates at its end are then
+    continued. If the event goes to the opposite side, rounding brought it back over a jump that was
+    passed.
     """
     if search.work.scene.events[k, 2] == 0:
         return True
