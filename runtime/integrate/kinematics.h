@@ -1,54 +1,63 @@
 /* Kinematics: a motion that drivers determine, position by position. */
 
-/* what a prediction may miss: a part of the way of a step, and what always may */
+/* largest error of a prediction, relative to the motion of the step */
 #define PREDICTION_ERROR_PART 0.02
+/* error of a prediction that is always negligible, in lengths of the scene or radians */
 #define NEGLIGIBLE_PREDICTION_ERROR 1e-9
-/* the part of the way of a step that velocities may not explain, and what always may: a driver
- * jumps */
+/* largest part of the motion of a step that velocities may leave unexplained */
 #define UNEXPLAINED_MOTION_PART 1e-3
+/* unexplained motion up to which no driver has jumped, in lengths of the scene or radians */
 #define SMALLEST_JUMP 1e-6
-/* ratios that tell branches may grow or shrink by so much in each half of a step: beside a singular
- * configuration there is another branch. So they tell it where bodies move less than this in a
- * half, in lengths and radians: the angle between two of them turns by twice as much, and the root
- * of the ratio goes with its sine. Halves are no shorter than that */
+/* largest ratio of the branch ratios at the ends of half a step: if they differ by more, another
+ * branch may lie behind a singular configuration in between */
 #define MOST_GROWTH 2.0
+/* longest motion of bodies in half a step, in lengths of the scene or radians, over which branch
+ * ratios show a singular configuration: the angle between two bodies turns by twice as much, and
+ * the root of the ratio goes with its sine */
 #define LONGEST_WAY 0.6
+/* motion of bodies in half a step, in lengths of the scene or radians, up to which it is not
+ * shortened any more to find a singular configuration */
 #define FINEST_WAY 1e-6
-/* a step is this much shorter than one that is just smooth enough, or that just sums works to the
- * tolerance, and no more than twice as long as the one before it. Where nothing tells how short it
- * must be it is halved */
+/* safety factor of the length of a step that is just smooth enough, or that just sums works to the
+ * tolerance */
 #define NEXT_STEP_SAFETY 0.9
+/* largest ratio of a step length to the one before */
 #define MOST_NEXT_FACTOR 2.0
+/* factor of a step length where nothing tells how short it must be */
 #define HALVED 0.5
-/* the powers of the length of a step with which errors of works go, by Lobatto's rule of five nodes
- * and by Simpson's */
+/* power of the step length with which errors of works by Lobatto's rule of five nodes go */
 #define LOBATTO_ORDER 9.0
+/* power of the step length with which errors of works by Simpson's rule go */
 #define SIMPSON_ORDER 5.0
-/* how far behind a position where rows are nearly dependent a step is tried, in its length; where
- * branches do not meet there, positions in between may have ratios this much smaller */
+/* distance, in step lengths, up to which an end is tried behind a position where rows are nearly
+ * dependent */
 #define FURTHEST_TRIAL 8.0
+/* factor of the smallest pivot ratio that positions inside of a step may have, once a leap over
+ * such a position has been given up as branches do not meet there */
 #define DEEP_RATIO_PART 1e-3
 /* the largest turn of a step: angles count their turns [rad] */
 #define MOST_TURN 1.0
-/* what Simpson's rule leaves of works, in tolerances, where no other rule need be tried, and in how
- * many steps it is tried even so */
+/* error of works by Simpson's rule, in tolerances, below which no better rule need be tried */
 #define SURE_WORK_ERROR 1e-3
+/* number of steps after which a better rule is tried even so */
 #define RULE_TRIAL_STEPS 64.0
-/* energies are rounding below that part of them */
+/* rounding of energies, relative to them */
 #define ENERGY_ROUNDING 1e-13
-/* what a rule left counts from step to step by this part: at a turning point of the rate it is
- * small */
+/* part of the error of a rule that still counts in the next step: at a turning point of the rate
+ * the error is small by chance */
 #define ERROR_DECAY 0.5
 /* a node of Lobatto's rule of five, a part of a step: (1 - sqrt(3/7)) / 2 */
 #define LOBATTO_NODE 0.17267316464601143
 
-/* its error goes with the cube of what it changes, over the square of what Simpson's rule does: so
- * it is twice that of a sine. Where even powers of time change nothing by chance, odd ones do:
- * where its nodes in the half of a step around the middle are, the square of what a cubic
- * polynomial is off a straight line there, and what that counts */
+/* error of Lobatto's rule, relative to the cube of its correction over the square of Simpson's:
+ * twice that of a sine */
 #define EVEN_ERROR_PART 0.2
+/* place s of its inner nodes from the middle, in half steps: odd powers of time are looked at
+ * there, as even ones may correct nothing by chance */
 #define ODD_PLACE 0.6546536707079772
+/* square of s - s^3, by which a cubic polynomial is off a straight line at this place */
 #define ODD_PART 0.14
+/* weight of the error that odd powers of time tell */
 #define ODD_ERROR_PART 4e-4
 
 /* up to which part of a step a position is found, and where it is kept */
@@ -83,9 +92,9 @@ static int predict_and_correct(
     return project(t, 0.0, to.y, NULL, to.f, work, s, drift);
 }
 
-/* how far a step is from a smooth one, which is at most one: the prediction met the constraints,
- * and the accelerations explain the change of the velocities; on another branch they do not. It
- * goes with the square of h */
+/* roughness of a step of length h, at most one where it is smooth. It compares the correction of
+ * the prediction, and the change of the velocities that the accelerations do not explain, with what
+ * is allowed; on another branch both are large. It goes with the square of h */
 static double roughness(
     double h, double drift, Position from, Position to, Work *work, const State *s)
 {
@@ -106,8 +115,9 @@ static double roughness(
     return rough;
 }
 
-/* whether velocities explain where bodies are after two halves of length h: no prediction tells
- * that of bodies that are put onto what drives them, and where a driver jumps its rates do not */
+/* whether velocities explain where bodies are after two halves of length h. They do not where a
+ * driver jumps; the prediction of bodies that are put onto what drives them does not tell of a
+ * jump */
 static int is_explained(double h, Position start, Position half, Position last)
 {
     const double fastest = larger(
@@ -121,17 +131,17 @@ static int is_explained(double h, Position start, Position half, Position last)
     return 1;
 }
 
-/* what tells branches, negative where all rows are solved for: that is another number */
+/* branch ratio, negative where all rows are solved for: these have another ratio */
 static double signed_ratio(const Work *work, const State *s)
 {
     const double ratio = branch_ratio(work, s);
     return HAS_ROW_SWITCH && work->all.is_on != 0.0 ? -ratio : ratio;
 }
 
-/* whether half a step of length h may leap over a singular configuration onto another branch: what
- * tells branches goes with the square of the distance from it, which changes at a steady rate; no
- * half passes zero where it and those beside it change the ratio by a small factor. What is too
- * short to be halved is noted: it is looked at */
+/* whether half a step of length h may leap over a singular configuration. Another branch lies
+ * behind it. The branch ratio goes with the square of the distance from it, which changes at a
+ * steady rate: no half passes zero if the ratio changes by a small factor in it and in those beside
+ * it. A half that is too short to be halved is noted, and looked at later */
 static int may_leap(double h, double before, double after, Position last, State *s)
 {
     const double low = smaller(fabs(before), fabs(after));
@@ -256,11 +266,11 @@ static double unbalanced(const Settings *settings, double h, const State *s, Wor
 }
 
 /* sums the works of a step by a better rule than Simpson's, unless that is good enough, and returns
- * the error in units of the tolerance. What Simpson's rule leaves is about the square of what
- * trapezoids leave, each compared with what they sum. Where this is not far below the tolerance two
- * more positions tell it, and works are summed by Lobatto's rule. So it is tried in every so many
- * steps anyway: where periodic powers are the same at both ends and in the middle, they are not at
- * its nodes. What Simpson's rule has left since the last trial goes to the ledger. */
+ * the error in units of the tolerance. The relative error of Simpson's rule is about the square of
+ * that of the trapezoidal rule. Unless it is far below the tolerance, two more positions estimate
+ * it, and works are summed by Lobatto's rule. This rule is also tried once in RULE_TRIAL_STEPS
+ * steps: periodic powers that are the same at both ends and in the middle differ at its nodes. The
+ * error of Simpson's rule since the last trial goes to the ledger */
 static double sum_works(const Settings *settings, double end, double weak, int has_nodes, State *s,
     Work *work, int *is_estimated)
 {
@@ -358,8 +368,8 @@ static void accept_position(
     }
 }
 
-/* notes the pivot ratio of a position that is kept, and what tells branches there; where it is weak
- * later ones are compared with what it is, or less where it is deep */
+/* notes the pivot ratio and the branch ratio of a position that is kept. Where the pivot ratio is
+ * weak, later ones are weak only below it, or further below if deep */
 static void note_ratios(double ratio, double end, int is_deep, State *s, const Work *work)
 {
     note_pivot_ratio(ratio, end, s);

@@ -57,55 +57,65 @@ if TYPE_CHECKING:
     from .settings import Settings
     from .state import State
 
-#: Error that a prediction may have: a part of the motion of a step, and what is always negligible.
+#: Largest error of a prediction, relative to the motion of the step.
 PREDICTION_ERROR_PART = 0.02
+#: Error of a prediction that is always negligible, in lengths of the scene or radians.
 NEGLIGIBLE_PREDICTION_ERROR = 1e-9
-#: The part of the motion of a step that velocities may not explain, and what always is no jump of a
-#: driver.
+#: Largest part of the motion of a step that velocities may leave unexplained.
 UNEXPLAINED_MOTION_PART = 1e-3
+#: Unexplained motion up to which no driver has jumped, in lengths of the scene or radians.
 SMALLEST_JUMP = 1e-6
-#: Ratios that tell branches may grow or shrink by so much in each half of a step: beside a singular
-#: configuration there is another branch. So they tell it where bodies move less than this in a
-#: half, in lengths and radians: the angle between two of them turns by twice as much, and the root
-#: of the ratio goes with its sine. Halves are no shorter than the finest way.
+#: Largest ratio of the branch ratios at the ends of half a step: if they differ by more, another
+#: branch may lie behind a singular configuration in between.
 MOST_GROWTH = 2.0
+#: Longest motion of bodies in half a step, in lengths of the scene or radians, over which branch
+#: ratios show a singular configuration: the angle between two bodies turns by twice as much, and
+#: the root of the ratio goes with its sine.
 LONGEST_WAY = 0.6
+#: Motion of bodies in half a step, in lengths of the scene or radians, up to which it is not
+#: shortened any more to find a singular configuration.
 FINEST_WAY = 1e-6
-#: A step is this much shorter than one that is just smooth enough, or that just sums works to the
-#: tolerance, and no more than twice as long as the one before it. Where nothing tells how short it
-#: must be it is halved.
+#: Safety factor of the length of a step that is just smooth enough, or that just sums works to the
+#: tolerance.
 NEXT_STEP_SAFETY = 0.9
+#: Largest ratio of a step length to the one before.
 MOST_NEXT_FACTOR = 2.0
+#: Factor of a step length where nothing tells how short it must be.
 HALVED = 0.5
-#: The powers of the length of a step with which errors of works go, by Lobatto's rule of five nodes
-#: and by Simpson's.
+#: Power of the step length with which errors of works by Lobatto's rule of five nodes go.
 LOBATTO_ORDER = 9.0
+#: Power of the step length with which errors of works by Simpson's rule go.
 SIMPSON_ORDER = 5.0
-#: How far behind a position where rows are nearly dependent a step is tried, in its length; where
-#: branches do not meet there, positions in between may have ratios this much smaller.
+#: Distance, in step lengths, up to which an end is tried behind a position where rows are nearly
+#: dependent.
 FURTHEST_TRIAL = 8.0
+#: Factor of the smallest pivot ratio that positions inside of a step may have, once a leap over
+#: such a position has been given up as branches do not meet there.
 DEEP_RATIO_PART = 1e-3
 #: The largest turn of a step: angles count their turns [rad].
 MOST_TURN = 1.0
-#: What Simpson's rule leaves of works, in tolerances, where no other rule need be tried, and in how
-#: many steps it is tried even so.
+#: Error of works by Simpson's rule, in tolerances, below which no better rule need be tried.
 SURE_WORK_ERROR = 1e-3
+#: Number of steps after which a better rule is tried even so.
 RULE_TRIAL_STEPS = 64.0
-#: Energies are rounding below that part of them.
+#: Rounding of energies, relative to them.
 ENERGY_ROUNDING = 1e-13
-#: The error of a rule counts in the next step by this part: at a turning point of the rate it is
-#: small.
+#: Part of the error of a rule that still counts in the next step: at a turning point of the rate
+#: the error is small by chance.
 ERROR_DECAY = 0.5
 #: A node of Lobatto's rule of five, a part of a step: (1 - sqrt(3/7)) / 2.
 LOBATTO_NODE = 0.17267316464601143
-#: Its error goes with the cube of its correction, over the square of Simpson's, times the first
-#: part: twice that of a sine. Where even powers of time correct nothing by chance, odd ones do: the
-#: place s of its inner nodes, from the middle in half steps, the square of s - s³, and the weight.
+#: Error of Lobatto's rule, relative to the cube of its correction over the square of Simpson's:
+#: twice that of a sine.
 EVEN_ERROR_PART = 0.2
+#: Place s of its inner nodes from the middle, in half steps: odd powers of time are looked at
+#: there, as even ones may correct nothing by chance.
 ODD_PLACE = 0.6546536707079772
+#: Square of s - s^3, by which a cubic polynomial is off a straight line at this place.
 ODD_PART = 0.14
+#: Weight of the error that odd powers of time tell.
 ODD_ERROR_PART = 4e-4
-#: Up to which parts of a step positions are found in turn, and where each is kept.
+#: Parts of a step up to which positions are found in turn, and the slot of each.
 LEAP = ((1.0, 1),)
 HALVES = ((0.5, 0), (1.0, 1))
 NODES = ((LOBATTO_NODE, 2), (0.5, 0), (1.0 - LOBATTO_NODE, 3), (1.0, 1))
@@ -160,9 +170,9 @@ def roughness(
 ) -> float:
     """Roughness [-] of a step of length h [s], at most one where it is smooth.
 
-    The prediction met the constraints, and the accelerations explain the change of the velocities,
-    h |v₁ − v₀ − ½ h (v̇₀ + v̇₁)|; on another branch they do not. It goes with the square of h.
-    Where no position was found it is infinite.
+    It compares the correction of the prediction, and the change of the velocities that the
+    accelerations do not explain, h |v₁ − v₀ − ½ h (v̇₀ + v̇₁)|, with what is allowed; on another
+    branch both are large. It goes with the square of h. Where no position was found it is infinite.
     """
     if drift < 0.0:
         return math.inf
@@ -184,8 +194,8 @@ def roughness(
 def is_explained(h: float, start: Position, half: Position, last: Position, work: Work) -> bool:
     """Whether velocities explain where bodies are after two halves of length h [s].
 
-    |q₁ − q₀ − ⅓ h (q̇₀ + 4 q̇ₘ + q̇₁)|, m in the middle, is then small. No prediction tells that of
-    bodies that are put onto what drives them, and where a driver jumps its rates do not.
+    |q₁ − q₀ − ⅓ h (q̇₀ + 4 q̇ₘ + q̇₁)|, m in the middle, is small then. It is large where a driver
+    jumps; the prediction of bodies that are put onto what drives them does not tell of a jump.
     """
     scene, size_of = work.scene, work.w.size_of
     nq = scene.nq
@@ -197,7 +207,7 @@ def is_explained(h: float, start: Position, half: Position, last: Position, work
 
 
 def signed_ratio(work: Work, state: State) -> float:
-    """Ratio that tells branches, negative where all rows are solved for, whose ratio is another."""
+    """Branch ratio, negative where all rows are solved for: these have another ratio."""
     ratio = branch_ratio(work, state)
     return -ratio if work.all is not None and work.all.is_on else ratio
 
@@ -207,9 +217,9 @@ def may_leap(
 ) -> bool:
     """Whether half a step of length h may leap over a singular configuration.
 
-    There is another branch behind it. What tells branches goes with the square of the distance from
-    it, which changes at a steady rate: no half passes zero where it and those beside it change the
-    ratio by a small factor. What is too short to be halved is noted: it is looked at.
+    Another branch lies behind it. The branch ratio goes with the square of the distance from it,
+    which changes at a steady rate: no half passes zero if the ratio changes by a small factor in
+    it and in those beside it. A half that is too short to be halved is noted, and looked at later.
     """
     low, high = smaller(abs(before), abs(after)), larger(abs(before), abs(after))
     is_near = high > MOST_GROWTH * low and (before < 0.0) == (after < 0.0)
@@ -349,11 +359,11 @@ def sum_works(
 ) -> tuple[float, bool]:
     """Sum the works of a step by a better rule than Simpson's, unless that is good enough.
 
-    What Simpson's rule leaves is about the square of what trapezoids leave, each compared with what
-    they sum. Where this is not far below the tolerance two more positions tell it, and works are
-    summed by Lobatto's rule. So it is tried in every so many steps anyway: where periodic powers
-    are the same at both ends and in the middle, they are not at its nodes. What Simpson's rule has
-    left since the last trial goes to the ledger.
+    The relative error of Simpson's rule is about the square of that of the trapezoidal rule. Unless
+    it is far below the tolerance, two more positions estimate it, and works are summed by Lobatto's
+    rule. This rule is also tried once in ``RULE_TRIAL_STEPS`` steps: periodic powers that are the
+    same at both ends and in the middle differ at its nodes. The error of Simpson's rule since the
+    last trial goes to the ledger.
 
     Returns
     -------
@@ -442,9 +452,9 @@ def accept_position(s: Settings, end: float, asked: float, state: State, work: W
 
 
 def note_ratios(ratio: float, end: float, state: State, work: Work, *, is_deep: bool) -> None:
-    """Note the pivot ratio of a position that is kept, and what tells branches there.
+    """Note the pivot ratio and the branch ratio of a position that is kept.
 
-    Where it is weak later ones are compared with what it is, or less where it is deep.
+    Where the pivot ratio is weak, later ones are weak only below it, or further below if deep.
     """
     note_pivot_ratio(ratio, end, state)
     if ratio < WEAK_PIVOT_RATIO * state.largest_pivot_ratio:

@@ -1,15 +1,15 @@
 /* The rank of rows with the parameters of a run.
  *
- * Rows are kept that are independent with the parameters of the scene. With others they may depend
- * on each other but for less than CLOSURE_TOLERANCE, and hold what nobody means. They are told
- * apart as where a scene is generated: by pivots of C_q, turns compared by the arms of their body,
- * without masses, and by what they miss per length and radian that bodies move. */
+ * Rows that are independent at nominal parameters may become redundant within CLOSURE_TOLERANCE at
+ * others, and then constrain motions that should be free. The rank is determined as where a scene
+ * is generated: by pivots of C_q without masses, with rotations scaled by the arms of their body,
+ * and by how far rows are violated per length and radian that bodies move. */
 
-/* what is left of rows that depend on others to rounding */
+/* remainder of a scaled row up to which it depends on others but for rounding */
 #define HARDLY 1e-11
-/* a body whose arms are a smaller part of the longest has none */
+/* smallest arm of a body, relative to the longest: a body with a smaller one has none */
 #define NO_ARM 1e-9
-/* a position nearer to the start, in lengths or radians, is that */
+/* distance, in lengths of the scene or radians, up to which a position is still the start */
 #define NOT_LEFT 5e-4
 
 /* C_q of the rows, scaled: turns by the arms of their body, rows by their largest element */
@@ -51,8 +51,8 @@ static void write_scaled_rows(Work *work)
     }
 }
 
-/* what a row misses per unit of the motion that the rows that were taken allow, relative to LENGTH
- * or in radians; what is left of it in itself goes to square */
+/* rate at which a row misses, per unit of the motion that the rows taken so far allow, in lengths
+ * of the scene or radians; the square of the remainder of the row goes to square */
 static double rate_of_row(const Rank *rank, size_t i, double *square)
 {
     double motion = 0.0;
@@ -100,7 +100,7 @@ static size_t rank_here(Work *work)
     }
 }
 
-/* whether as many rows are independent beside the start: then it is a singular configuration */
+/* whether the wanted number of rows is independent beside the start, which is singular then */
 static int is_regular_beside(size_t wanted, State *s, Work *work)
 {
     Rank *rank = &work->rank;
@@ -131,9 +131,9 @@ static int is_regular_beside(size_t wanted, State *s, Work *work)
     return 0;
 }
 
-/* whether rows that are independent with the parameters of the scene, where it starts with them,
- * are so with those of the run. What others miss takes the place of residuals, 0 of those that are
- * independent. The state stays as it is. */
+/* whether rows that are independent with the parameters of the scene are so in the run. The former
+ * rank is that at the start of the scene. If the rank drops, residuals are replaced by the misses
+ * of dependent rows, and by 0 for independent ones. The state stays as it is */
 static int keep_rank(State *s, Work *work)
 {
     enum { SINGLE = offsetof(State, y) / sizeof(double) };

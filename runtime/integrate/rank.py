@@ -1,9 +1,9 @@
 """The rank of rows with the parameters of a run.
 
-Rows are kept that are independent with the parameters of the scene. With others they may depend on
-each other but for less than the closure tolerance, and hold what nobody means. They are told apart
-as where a scene is generated: by pivots of C_q, turns compared by the arms of their body, without
-masses, and by what they miss per length and radian that bodies move.
+Rows that are independent at nominal parameters may become redundant within the closure tolerance at
+others, and then constrain motions that should be free. The rank is determined as where a scene is
+generated: by pivots of C_q without masses, with rotations scaled by the arms of their body, and by
+how far rows are violated per length and radian that bodies move.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ if TYPE_CHECKING:
     from .scene_tables import SceneTables, Work
     from .state import State
 
-#: Remainder of rows that depend on others but for rounding.
+#: Remainder of a scaled row up to which it depends on others but for rounding.
 HARDLY = 1e-11
-#: A body whose arms are a smaller part of the longest has none.
+#: Smallest arm of a body, relative to the longest: a body with a smaller one has none.
 NO_ARM = 1e-9
-#: A position nearer to the start, in lengths or radians, is that.
+#: Distance, in lengths of the scene or radians, up to which a position is still the start.
 NOT_LEFT = 5e-4
 
 
@@ -78,8 +78,8 @@ def rate_of_row(rank: Rank) -> tuple[Array, Array]:
     """Rates (n,) [-] at which rows miss, per unit of the motion that the rows taken so far allow.
 
     |x|² b / (l |u|) of a row x (nv,), with its scale b, the length or radian l that its residual is
-    compared with, and u what x moves in lengths of the scene and radians. With it what is left of
-    each row in itself, squared: |x|² (n,).
+    compared with, and its motion u in lengths of the scene and radians. Also returns the square of
+    the remainder of each row, |x|² (n,).
     """
     squares, motions = np.zeros((2, len(rank.rows)))
     for k in range(rank.rows.shape[1]):
@@ -148,8 +148,8 @@ def is_regular_beside(wanted: int, rank: Rank, state: State, work: Work) -> bool
 def keep_rank(state: State, work: Work) -> bool:
     """Whether rows that are independent with the parameters of the scene are so in the run.
 
-    The former rank is that where the scene starts. What other rows miss takes the place of
-    residuals, 0 of those that are independent. The state stays as it is.
+    The former rank is that at the start of the scene. If the rank drops, residuals are replaced by
+    the misses of dependent rows, and by 0 for independent ones. The state stays as it is.
     """
     w, y, rank = work.w, work.k[0], Rank(work.scene)
     counts = state.numbers[:SINGLE].copy()

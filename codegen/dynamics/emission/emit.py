@@ -39,12 +39,15 @@ TEMPLATES = {
     "__init__.py": "dynamics/__init__.py.jinja",
     "integrate/methods.h": "dynamics/methods.h.jinja",
 }
-#: Files that a solver omits: where parameters change no rows of loops; where drivers leave freedom;
-#: without forces along distances; without forces that jump; without the last two.
+#: Files that a solver omits where no parameter changes rows of loops.
 OF_RANK = tuple(f"integrate/{name}" for name in ("rank.h", "rank.py", "nearly_dependent.py"))
+#: Files that a solver omits where drivers do not determine the motion.
 OF_KINEMATICS = ("integrate/kinematics.h", "integrate/kinematics.py")
+#: Files that a solver omits without forces along distances.
 OF_DISTANCES = ("integrate/distances.h", "integrate/distances.py")
+#: Files that a solver omits without forces that jump.
 OF_BREAKS = ("integrate/breaks.h", "integrate/breaks.py")
+#: Files that a solver omits without forces along distances and without forces that jump.
 OF_CUTS = ("integrate/cuts.h", "integrate/cuts.py")
 
 
