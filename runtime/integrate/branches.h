@@ -92,7 +92,7 @@ static int follow_branch(
             off[side] = bend_way(&n, x, work->way, t, there, &roots[side], work, s);
             if (!(off[side] >= 0.0)) return LEAPS;
             /* rows that were left out took over, and hold it */
-            if (HAS_ROW_SWITCH && work->all.is_on != 0.0 &&
+            if (HAS_ROW_SWITCH && work->row_switch.is_active != 0.0 &&
                 roots[side] > FALL_BACK * s->largest_pivot_ratio)
                 return STAYS;
             roots[side] = sqrt(roots[side]);

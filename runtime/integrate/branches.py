@@ -133,7 +133,7 @@ def follow_branch(
             correction, ratio = bend_way(x, c, state.time + node * h, node, work, state)
             if not correction >= 0.0:
                 return LEAPS
-            takes_over = work.all is not None and work.all.is_on
+            takes_over = work.row_switch is not None and work.row_switch.is_active
             if takes_over and ratio > FALL_BACK * state.largest_pivot_ratio:
                 return STAYS  # rows that were left out hold it
             roots.append(math.sqrt(ratio))

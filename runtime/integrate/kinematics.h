@@ -125,7 +125,7 @@ static int is_explained(double h, Position start, Position half, Position last)
 static double signed_ratio(const Work *work, const State *s)
 {
     const double ratio = branch_ratio(work, s);
-    return HAS_ROW_SWITCH && work->all.is_on != 0.0 ? -ratio : ratio;
+    return HAS_ROW_SWITCH && work->row_switch.is_active != 0.0 ? -ratio : ratio;
 }
 
 /* whether half a step of length h may leap over a singular configuration onto another branch: what

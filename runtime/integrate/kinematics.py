@@ -199,7 +199,7 @@ def is_explained(h: float, start: Position, half: Position, last: Position, work
 def signed_ratio(work: Work, state: State) -> float:
     """Ratio that tells branches, negative where all rows are solved for, whose ratio is another."""
     ratio = branch_ratio(work, state)
-    return -ratio if work.all is not None and work.all.is_on else ratio
+    return -ratio if work.row_switch is not None and work.row_switch.is_active else ratio
 
 
 def may_leap(

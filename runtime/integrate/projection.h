@@ -21,14 +21,14 @@ enum { MOST_REFINEMENTS = 4 };
 static void correct_position(Work *work)
 {
     double *w = work->w;
-    if (HAS_ROW_SWITCH && work->all.is_on != 0.0) solve_rows(w + W_C, work, w + W_DQ);
+    if (HAS_ROW_SWITCH && work->row_switch.is_active != 0.0) solve_rows(w + W_C, work, w + W_DQ);
     else position(w);
 }
 
 static void correct_velocity(Work *work)
 {
     double *w = work->w;
-    if (HAS_ROW_SWITCH && work->all.is_on != 0.0) {
+    if (HAS_ROW_SWITCH && work->row_switch.is_active != 0.0) {
         check(w);
         solve_rows(w + W_C_DOT, work, w + W_DV);
     } else {
@@ -57,7 +57,7 @@ static void refine(double *w)
  * this takes back */
 static void accelerate(Work *work, State *s)
 {
-    const int has_all = HAS_ROW_SWITCH && work->all.is_on != 0.0;
+    const int has_all = HAS_ROW_SWITCH && work->row_switch.is_active != 0.0;
     if (has_all) accelerate_all_rows(work);
     else acceleration(work->w);
     if (!HAS_REFINEMENT) return;
@@ -93,7 +93,7 @@ static void begin_refining(double *f, Work *work, State *s)
 static void note_lost_digits(Work *work, State *s)
 {
     double *w = work->w, *v_dot = w + W_V_DOT;
-    if (!HAS_REFINEMENT || (HAS_ROW_SWITCH && work->all.is_on != 0.0)) return;
+    if (!HAS_REFINEMENT || (HAS_ROW_SWITCH && work->row_switch.is_active != 0.0)) return;
     double lost = lost_part(w) / MOST_ACCELERATION_ERROR;
     if (!(lost > 1.0)) {
         for (size_t k = 0; k < NV; ++k) v_dot[k] = (double)(k * 5 % 7) - 3.0;
@@ -111,7 +111,7 @@ static void note_lost_digits(Work *work, State *s)
 static void check_digits(double *f, Work *work, State *s)
 {
     if (!HAS_REFINEMENT || s->is_refined != LOOKED_AT) return;
-    if (HAS_ROW_SWITCH && work->all.is_on != 0.0) return;
+    if (HAS_ROW_SWITCH && work->row_switch.is_active != 0.0) return;
     if (lost_part(work->w) > MOST_ACCELERATION_ERROR) begin_refining(f, work, s);
 }
 

@@ -435,10 +435,10 @@ class Work:
         self.k = np.zeros((STAGES, scene.ny))
         self.y, self.low, self.scratch = np.zeros((3, scene.ny))
         self.missed = np.zeros(scene.has_misses * scene.size("C_left_out"))
-        self.all = RowMemory(scene) if scene.has_row_switch else None
+        self.row_switch = RowSwitch(scene) if scene.has_row_switch else None
 
 
-class RowMemory:
+class RowSwitch:
     """Rows of the constraints, all of them, where they take over: see ``row_switch``.
 
     Parameters
@@ -449,7 +449,7 @@ class RowMemory:
 
     def __init__(self, scene: SceneTables) -> None:
         count = scene.nc + scene.size("C_left_out")
-        self.is_on = False  # whether all rows were factorised
+        self.is_active = False  # whether all rows were factorised
         self.ratio = 0.0  # their pivot ratio
         self.tried = 0.0  # that of the rows kept where all were no better, or 0
         self.rows = np.zeros((count, scene.nv))  # C_q

@@ -398,7 +398,7 @@ def tells_drift(trial: Trial, state: State, work: Work) -> bool:
 
     Neither drivers nor rows that take over lead it there, and it is no rounding.
     """
-    if work.scene.has_drivers or work.all is not None:
+    if work.scene.has_drivers or work.row_switch is not None:
         return False
     return trial.least_ratio >= CLEAR_PIVOT_RATIO * state.largest_pivot_ratio
 
