@@ -25,7 +25,7 @@ from kousoku.codegen.dynamics.operations.body_coordinates import (
     with_all_inertias,
 )
 from kousoku.codegen.dynamics.redundancy.constant_rows import require_constant_rows_hold
-from kousoku.codegen.dynamics.redundancy.freedom import Freedom, freedom_of
+from kousoku.codegen.dynamics.redundancy.freedom import Mobility, mobility_of
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
 from kousoku.codegen.dynamics.redundancy.own_rows import repeated_rows, require_own_rows_implied
 from kousoku.codegen.dynamics.redundancy.redundant_rows import by_instance, shares_out, take_over
@@ -70,7 +70,7 @@ class Analysed:
         System whose equations are solved.
     outline : Outline
         Its plane, and rows and columns that are not structurally zero.
-    freedom : Freedom
+    freedom : Mobility
         Its degrees of freedom, and the rows that are left out.
     transformations : mapping of int to VelocityTransformation
         Bodies that the coordinates of their joint with the ground describe, in the axes of the
@@ -85,7 +85,7 @@ class Analysed:
 
     system: System
     outline: Outline
-    freedom: Freedom
+    freedom: Mobility
     transformations: Mapping[int, VelocityTransformation] = field(default_factory=dict)
     lumped: tuple[str, ...] = ()
     missing: tuple[str, ...] = ()
@@ -178,7 +178,7 @@ def with_all_rows(system: System, plane: Plane | None) -> Analysed:
     require_few_joints(system)
     require_masses(permuted(system, shift_of(plane)), is_planar=plane is not None)
     outline = outline_of(system, plane)
-    return Analysed(system, outline, Freedom.of(outline))
+    return Analysed(system, outline, Mobility.of(outline))
 
 
 def ranked(system: System, plane: Plane | None) -> Analysed:
@@ -189,7 +189,7 @@ def ranked(system: System, plane: Plane | None) -> Analysed:
     analysed = with_all_rows(system, plane)
     fixed = fixed_system(system)
     require_constant_rows_hold(fixed, analysed.outline)
-    freedom = freedom_of(fixed, analysed.outline)
+    freedom = mobility_of(fixed, analysed.outline)
     require_own_rows_implied(fixed, freedom, is_planar=analysed.outline.is_planar)
     freedom = replace(freedom, idle=(*freedom.idle, *repeated_rows(fixed, freedom)))
     if freedom.closed:

@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.assembly.residuals import Residuals
     from kousoku.codegen.dynamics.recording.program import ConstraintEquation
     from kousoku.codegen.dynamics.redundancy.branch import BranchPosition
-    from kousoku.codegen.dynamics.redundancy.freedom import Freedom
+    from kousoku.codegen.dynamics.redundancy.freedom import Mobility
     from kousoku.codegen.dynamics.redundancy.rank import LQFactors
     from kousoku.model.mechanics.multibody import Instance, MovingBody, RelativeCoordinate, System
     from kousoku.model.numbers.real import Array
@@ -314,7 +314,7 @@ def _stay_left_out(position: BranchPosition, indices: Sequence[int]) -> bool:
     return factors.rank == len(indices) and bool(factors.pivots.min() ** 2 > FALL_BACK)
 
 
-def notes_of_freedom(system: System, freedom: Freedom) -> Iterator[str]:
+def notes_of_freedom(system: System, freedom: Mobility) -> Iterator[str]:
     """Notes on rows that were taken as redundant, and on scenes in which nothing moves."""
     fixed = fixed_system(system)
     # with other parameters residuals may be larger, and what is rigid here may move

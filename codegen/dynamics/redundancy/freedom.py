@@ -82,7 +82,7 @@ class DependentSet:
 
 
 @dataclass(frozen=True, slots=True)
-class Freedom:
+class Mobility:
     """Freedoms that the rows of a system leave.
 
     Parameters
@@ -128,8 +128,8 @@ class Freedom:
     undetermined: Undetermined = ()
 
     @classmethod
-    def of(cls, outline: Outline) -> Freedom:
-        """Freedom of a system whose rows are all independent."""
+    def of(cls, outline: Outline) -> Mobility:
+        """Mobility of a system whose rows are all independent."""
         count = len(outline.rows)
         return cls(outline.velocities, count, count)
 
@@ -153,16 +153,16 @@ class Freedom:
         return tuple(names for names in joint_sets if len(names) > 1)
 
 
-class _PartFreedom(NamedTuple):
-    """Freedom of a part, and the positions at which it was looked at."""
+class _PartMobility(NamedTuple):
+    """Mobility of a part, and the positions at which it was looked at."""
 
     branch: Branch
     positions: list[BranchPosition]
     drivers: Drivers
-    freedom: Freedom
+    freedom: Mobility
 
 
-def freedom_of(system: System, outline: Outline) -> Freedom:
+def mobility_of(system: System, outline: Outline) -> Mobility:
     """Degrees of freedom and dependent rows of a system.
 
     Parameters
@@ -173,7 +173,7 @@ def freedom_of(system: System, outline: Outline) -> Freedom:
         Its rows and columns.
     """
     system = near_origin(system)
-    total = Freedom.of(outline)
+    total = Mobility.of(outline)
     by_instance: dict[int, list[ConstraintEquation]] = {}
     for row in outline.rows:
         by_instance.setdefault(row.instance, []).append(row)
@@ -212,8 +212,8 @@ def near_origin(system: System) -> System:
 
 def _freedom_of_part(
     system: System, outline: Outline, part: LoopPart, rows: Sequence[ConstraintEquation]
-) -> Freedom:
-    """Freedom that the rows of a part leave, exact or within the closure tolerance."""
+) -> Mobility:
+    """Mobility that the rows of a part leave, exact or within the closure tolerance."""
     residuals, first_row = part_residuals(system, part)
     joints, driven = _joint_and_driver_rows(system, rows)
     joint_rows = [first_row[row.instance] + row.row for row in joints]
@@ -235,16 +235,16 @@ def _freedom_of_part(
                 break
         return positions, drivers
 
-    def exact_freedom() -> _PartFreedom:
+    def exact_freedom() -> _PartMobility:
         branch = Branch(residuals, joint_rows, columns, length)
         positions, drivers = sampled_positions(branch)
         is_stuck = len(positions) == 1 and positions[0].factors.rank < full_rank
         freedom = (
             _shaky(joints, positions[0], full_rank) if is_stuck else _dependences(joints, positions)
         )
-        return _PartFreedom(branch, positions, drivers, freedom)
+        return _PartMobility(branch, positions, drivers, freedom)
 
-    def freedom_within_tolerance() -> _PartFreedom | None:
+    def freedom_within_tolerance() -> _PartMobility | None:
         positions, drivers = sampled_positions(near)
         positions = far_from_singular(positions)
         require_gap(system, near, joints, positions)
@@ -255,7 +255,7 @@ def _freedom_of_part(
         freedom = _dependences(joints, positions, CLEARLY * system.closure_tolerance)
         closed = closed_rows(near, joints, freedom.dropped, positions)
         return (
-            _PartFreedom(near, positions, drivers, replace(freedom, closed=closed))
+            _PartMobility(near, positions, drivers, replace(freedom, closed=closed))
             if closed
             else None
         )
@@ -324,7 +324,7 @@ def _dependences(
     rows: Sequence[ConstraintEquation],
     positions: Sequence[BranchPosition],
     takes_part: float = TAKES_PART,
-) -> Freedom:
+) -> Mobility:
     """Dependences of the rows of joints after all positions were looked at."""
     rank = max(position.factors.rank for position in positions)
     regular = [position for position in positions if position.factors.rank == rank]
@@ -341,7 +341,7 @@ def _dependences(
             added = count - sum(n for other, n in everywhere if set(other) <= set(indices))
             if added > 0:
                 sets.append(_dependent_set(rows, indices, added, is_everywhere=False))
-    return Freedom(
+    return Mobility(
         columns=0,
         rows=len(rows),
         rank=rank,
@@ -353,8 +353,8 @@ def _dependences(
     )
 
 
-def _shaky(rows: Sequence[ConstraintEquation], position: BranchPosition, rank: int) -> Freedom:
-    """Freedom of a shaky linkage: infinitesimally mobile, but finitely rigid.
+def _shaky(rows: Sequence[ConstraintEquation], position: BranchPosition, rank: int) -> Mobility:
+    """Mobility of a shaky linkage: infinitesimally mobile, but finitely rigid.
 
     Rows that depend on each other there hold what the others do not, as those of two bars that are
     stretched between two points do: none can be left out.
@@ -363,7 +363,7 @@ def _shaky(rows: Sequence[ConstraintEquation], position: BranchPosition, rank: i
         _dependent_set(rows, indices, count, is_everywhere=False)
         for indices, count in _components([position.factors], TAKES_PART)
     ]
-    return Freedom(0, len(rows), rank, tuple(sets), positions=1)
+    return Mobility(0, len(rows), rank, tuple(sets), positions=1)
 
 
 def part_residuals(system: System, part: LoopPart) -> tuple[Residuals, Mapping[int, int]]:

@@ -14,7 +14,7 @@ from kousoku.codegen.dynamics.assembly.newton_double import DoublePose
 from kousoku.codegen.dynamics.assembly.pose import Pose
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.redundancy import freedom
-from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
+from kousoku.codegen.dynamics.redundancy.freedom import mobility_of
 from kousoku.model.numbers import precise
 from tests.analysed import all_rows
 
@@ -60,10 +60,10 @@ def test_large_loops_are_known_where_sparse_factors_show_that_no_row_depends(
 ) -> None:
     monkeypatch.setattr(freedom, "MOST_SEARCHED_ROWS", 10)
     system = mechanisms.four_bars(5)
-    in_plane = freedom_of(system, all_rows(system).outline)
+    in_plane = mobility_of(system, all_rows(system).outline)
     again = replace(system.constraints[0], joint="again")
     twice = replace(system, constraints=(*system.constraints, again))
-    doubled = freedom_of(twice, all_rows(twice).outline)
+    doubled = mobility_of(twice, all_rows(twice).outline)
 
     assert (in_plane.degrees, in_plane.unknown) == (1, ())
     assert "again" in doubled.unknown
