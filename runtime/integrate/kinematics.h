@@ -99,7 +99,7 @@ static double roughness(
         larger(NEGLIGIBLE_PREDICTION_ERROR, blur_of(work, s)), PREDICTION_ERROR_PART * way);
     double rough = larger(drift, size_of(change)) / known;
     /* no prediction tells how far drivers turn */
-    for (size_t k = COUNTED; FITS && k != COUNTED_END; ++k) {
+    for (size_t k = UNWRAPPED_ANGLES; HAS_JOINT_COORDINATES && k != UNWRAPPED_ANGLES_END; ++k) {
         const double turn = fabs(to.y[k] - from.y[k]) / MOST_TURN;
         rough = larger(rough, turn * turn);
     }
@@ -182,7 +182,7 @@ static int reach(double end, const Part *ways, size_t n, double weak, State *s, 
         ratio = there;
         *drift = larger(first, *drift);
     }
-    if (FITS && !is_leap && !is_explained(0.5 * h, start, half, last)) return 0;
+    if (HAS_JOINT_COORDINATES && !is_leap && !is_explained(0.5 * h, start, half, last)) return 0;
     for (size_t k = NQ - WORKS; k != NQ; ++k) {
         last.y[k] = start.y[k] + (is_leap ? h / 2.0 * (start.f[k] + last.f[k])
                                           : h / 6.0 * (start.f[k] + 4.0 * half.f[k] + last.f[k]));

@@ -174,8 +174,8 @@ def roughness(
         larger(NEGLIGIBLE_PREDICTION_ERROR, blur_of(work, state)), PREDICTION_ERROR_PART * travel
     )
     rough = larger(drift, size_of(change)) / allowed
-    if scene.fits:  # no prediction tells how far drivers turn
-        counted = slice(*scene.counted)
+    if scene.has_joint_coordinates:  # no prediction tells how far drivers turn
+        counted = slice(*scene.unwrapped_angles)
         turn = float(np.max(np.abs(to.y[counted] - start.y[counted]), initial=0.0)) / MOST_TURN
         rough = larger(rough, turn * turn)
     return rough
@@ -267,7 +267,11 @@ def reach(
         if not is_leap and may_leap(span, ratio, ratio_there, to, state, work):
             return -1.0, rough
         passed, before, ratio, drift = x, to, ratio_there, larger(first, drift)
-    if work.scene.fits and not is_leap and not is_explained(0.5 * h, start, half, last, work):
+    if (
+        work.scene.has_joint_coordinates
+        and not is_leap
+        and not is_explained(0.5 * h, start, half, last, work)
+    ):
         return -1.0, rough
     works = slice(work.scene.nq - work.scene.works, work.scene.nq)
     if is_leap:

@@ -247,7 +247,7 @@ def project(
     first = project_position(tolerance, work, low, state)
     if not first >= 0.0:
         return -1.0
-    if work.scene.nc > 0 or work.scene.fits:
+    if work.scene.nc > 0 or work.scene.has_joint_coordinates:
         correct_velocity(work)
         v = w.v.copy()
         w.v[:] = v + w.dv
@@ -273,7 +273,7 @@ def take_normal_part(part: float, v: Array, work: Work, u: Array) -> None:
     is, so that it is not lost in the rounding of fast motions.
     """
     scene, w = work.scene, work.w
-    if scene.nc == 0 and not scene.fits:
+    if scene.nc == 0 and not scene.has_joint_coordinates:
         return
     factor = larger(1.0, w.size_of(v)) if scene.has_drivers else 1.0
     w.v[:] = v + factor * u if scene.has_drivers else u
@@ -284,7 +284,7 @@ def take_normal_part(part: float, v: Array, work: Work, u: Array) -> None:
 def displacement_of(scene: SceneTables, q: Array, dq: Array, u: Array) -> None:
     """Write the displacements u (nv,) [m, rad] that belong to a small change dq (nq,) of q."""
     u[scene.shifts[:, 1]] = dq[scene.shifts[:, 0]]
-    for index, turn, count in scene.turns.tolist():
+    for index, turn, count in scene.orientations.tolist():
         p, d = q[index : index + count].tolist(), dq[index : index + count].tolist()
         if count == 2:  # in a plane
             u[turn] = 2.0 * (p[0] * d[1] - p[1] * d[0])

@@ -296,10 +296,10 @@ static double norm_error(const Method *m, double h, const State *s, Work *work)
     double *y = work->scratch, most = 0.0;
     combine(m->stages, m->a + m->stages * (m->stages - 1) / 2, s->low, h, work->k, y);
     add_to_start(s->y, y, NULL);
-    for (size_t k = 0; k != TURNS; ++k) {
-        const double *p = y + turns[k][0];
+    for (size_t k = 0; k != ORIENTATIONS; ++k) {
+        const double *p = y + orientations[k][0];
         double square = 0.0;
-        for (size_t i = 0; i != turns[k][2]; ++i) square += p[i] * p[i];
+        for (size_t i = 0; i != orientations[k][2]; ++i) square += p[i] * p[i];
         most = larger(most, fabs(sqrt(square) - 1.0));
     }
     return most;

@@ -447,7 +447,7 @@ def norm_error(m: RungeKuttaMethod, h: float, state: State, work: Work) -> float
     y, error = work.scratch, 0.0
     combine(m.stages, m.a[m.stages], state.low, h, work.k, y)
     add_to_start(state.y, y, None)
-    for index, _, count in work.scene.turns:
+    for index, _, count in work.scene.orientations:
         square = 0.0
         for x in y[index : index + count].tolist():
             square += x * x

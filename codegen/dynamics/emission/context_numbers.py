@@ -42,8 +42,8 @@ def layout_sizes(program: Program) -> dict[str, int]:
         "NCHECK": present["C"] + present.get("C_left_out", 0),
         "ADDED": added(program),
         "WORKS": works(program),
-        "COUNTED": counted.start,
-        "COUNTED_END": counted.stop,
+        "UNWRAPPED_ANGLES": counted.start,
+        "UNWRAPPED_ANGLES_END": counted.stop,
         "MOMENTA": present.get("momenta", 0),
         "CONSTANTS": present["constants"],
         "N_PARAMETERS": present.get("parameters", 0),
@@ -112,7 +112,9 @@ def tables(
         if compares
         else [],
         "shifts": [(owner[a], (a - q.start, b - v.start)) for a, b in shifts],
-        "turns": [(owner[a], (a - q.start, b - v.start, n)) for a, b, n in turn_slots(program)],
+        "orientations": [
+            (owner[a], (a - q.start, b - v.start, n)) for a, b, n in turn_slots(program)
+        ],
         "inverse_masses": [
             (owner[slot], float(x))
             for slot, x in zip(v, inverse_mass_table(program, system), strict=True)
