@@ -190,10 +190,10 @@ static int reach(double end, const Part *ways, size_t n, double weak, State *s, 
     return 1;
 }
 
-/* whether a step to an end may lead onto another branch: LEAPS, STAYS or MEETS */
+/* whether a step to an end may lead onto another branch: BRANCH_LOST, ON_BRANCH or BIFURCATION */
 static int branch_at(double end, State *s, Work *work)
 {
-    if (!(HAS_REFINEMENT && s->is_near > 0.0)) return STAYS;
+    if (!(HAS_REFINEMENT && s->is_near > 0.0)) return ON_BRANCH;
     const Position last = position_at(1, work);
     const double first = sqrt(fabs(s->position_ratio)), after = sqrt(branch_ratio(work, s));
     const double part = meeting_part(first, after), h = end - s->time;
@@ -432,10 +432,10 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
         const int is_avoided = part < FURTHEST_TRIAL && !is_deep &&
                                ratio < WEAK_PIVOT_RATIO * s->largest_pivot_ratio;
         const int is_fit = good && error <= 1.0 && !is_avoided;
-        const int branch = is_fit ? branch_at(end, s, work) : STAYS;
+        const int branch = is_fit ? branch_at(end, s, work) : ON_BRANCH;
         /* onto another branch, or over what one can go through, as works want */
         const int is_leap = part > 1.0 &&
-                            (branch == LEAPS || (branch == STAYS && works.error > 1.0));
+                            (branch == BRANCH_LOST || (branch == ON_BRANCH && works.error > 1.0));
         if (is_avoided) {
             s->avoided += 1;
             part = part == 0.5 ? 1.25 : part <= 1.0 ? part - 0.25 : 1.25 * part;

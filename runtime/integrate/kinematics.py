@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from .arithmetic import larger, smaller
-from .branches import LEAPS, STAYS, follow_branch, note_branch
+from .branches import BRANCH_LOST, ON_BRANCH, follow_branch, note_branch
 from .crossing import (
     FINEST,
     SMALLEST,
@@ -283,9 +283,9 @@ def reach(
 
 
 def branch_at(end: float, state: State, work: Work) -> int:
-    """Whether a step to an end may lead onto another branch: LEAPS, STAYS or MEETS."""
+    """Whether a step may lead onto another branch: BRANCH_LOST, ON_BRANCH or BIFURCATION."""
     if not (state.is_near > 0.0 and work.scene.has_refinement):
-        return STAYS
+        return ON_BRANCH
     last = position_at(1, work)
     first, after = math.sqrt(abs(state.position_ratio)), math.sqrt(branch_ratio(work, state))
     part, h = meeting_part(first, after), end - state.time
@@ -523,9 +523,11 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
             and ratio < WEAK_PIVOT_RATIO * state.largest_pivot_ratio
         )
         is_fit = is_good and error <= 1.0 and not is_avoided
-        branch = branch_at(end, state, work) if is_fit else STAYS
+        branch = branch_at(end, state, work) if is_fit else ON_BRANCH
         # onto another branch, or over what one can go through, as works want
-        is_leap = part > 1.0 and (branch == LEAPS or (branch == STAYS and works.error > 1.0))
+        is_leap = part > 1.0 and (
+            branch == BRANCH_LOST or (branch == ON_BRANCH and works.error > 1.0)
+        )
         if is_avoided:
             state.avoided += 1
             part = 1.25 if part == 0.5 else part - 0.25 if part <= 1.0 else 1.25 * part
