@@ -44,7 +44,7 @@ LARGEST_ROOT_RATIO = 2.0
 BRANCH_LOST, ON_BRANCH, BIFURCATION = 0, 1, 2
 
 
-def follow_way(x: list[float], c: list[Array], part: float) -> Array:
+def evaluate_path(x: list[float], c: list[Array], part: float) -> Array:
     """Coordinates (nq,) at a part of a step [-] by Newton's polynomial through those at parts x.
 
     q = c₀ + (s − x₀) (c₁ + (s − x₁) (c₂ + …)) with the part s and n coefficients c (nq,), in the
@@ -56,7 +56,7 @@ def follow_way(x: list[float], c: list[Array], part: float) -> Array:
     return q
 
 
-def begin_way(
+def begin_path(
     h: float, y_before: Array, f_before: Array, y: Array, f: Array, nq: int
 ) -> tuple[list[float], list[Array]]:
     """Cubic polynomial through both ends of a step of length h [s], from f_before to f (ny,)."""
@@ -65,7 +65,7 @@ def begin_way(
     return [0.0, 0.0, 1.0, 1.0], [y_before[:nq].copy(), first, bend, h * f[:nq] - step - bend]
 
 
-def bend_way(
+def correct_path(
     x: list[float], c: list[Array], t: float, part: float, work: Work, state: State
 ) -> tuple[float, float]:
     """Bring a place of the way at a part of a step onto the constraints, if it is off.
@@ -75,7 +75,7 @@ def bend_way(
     Parameters
     ----------
     x, c : list of float [-], list of (nq,) array
-        As of :func:`follow_way`; they grow by one where the way is bent.
+        As of :func:`evaluate_path`; they grow by one where the way is bent.
     t : float [s]
         Time there.
     part : float [-]
@@ -89,7 +89,7 @@ def bend_way(
     ratio : float [-]
         The pivot ratio there.
     """
-    w, q = work.w, follow_way(x, c, part)
+    w, q = work.w, evaluate_path(x, c, part)
     w.t[0] = t
     ratio_at(q, work, state)
     ratio = branch_ratio(work, state)
@@ -119,7 +119,7 @@ def follow_branch(
     About at a part of it, with a slope of the roots of pivot ratios [-], branches meet, or nearly.
     """
     forget_trials(work)
-    x, c = begin_way(h, state.y, state.f, y, f, work.scene.nq)
+    x, c = begin_path(h, state.y, state.f, y, f, work.scene.nq)
     travel = work.w.way_of(h, state.y, y)
     before = math.sqrt(abs(state.position_ratio))
     low, high = smaller(before, slope - before), larger(before, slope - before)
@@ -130,7 +130,7 @@ def follow_branch(
         roots, worst = [], 0.0
         for side in (-distance, distance):
             node = part + side
-            correction, ratio = bend_way(x, c, state.time + node * h, node, work, state)
+            correction, ratio = correct_path(x, c, state.time + node * h, node, work, state)
             if not correction >= 0.0:
                 return BRANCH_LOST
             takes_over = work.row_switch is not None and work.row_switch.is_active
