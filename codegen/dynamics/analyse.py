@@ -27,9 +27,9 @@ from kousoku.codegen.dynamics.operations.body_coordinates import (
 from kousoku.codegen.dynamics.redundancy.constant_rows import require_constant_rows_hold
 from kousoku.codegen.dynamics.redundancy.freedom import Mobility, mobility_of
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
+from kousoku.codegen.dynamics.redundancy.mass_ratio import has_extreme_mass_ratio
 from kousoku.codegen.dynamics.redundancy.own_rows import repeated_rows, require_own_rows_implied
 from kousoku.codegen.dynamics.redundancy.redundant_rows import by_instance, shares_out, take_over
-from kousoku.codegen.dynamics.redundancy.unevenness import is_uneven
 from kousoku.codegen.dynamics.simplification.axis_permutation import (
     Plane,
     permuted,
@@ -118,7 +118,7 @@ class Analysed:
     @property
     def refines(self) -> bool:
         """Whether a run may have to refine accelerations, where C_q M⁻¹ C_qᵀ loses digits."""
-        return bool(self.left_out) or self.has_loops or is_uneven(self.system)
+        return bool(self.left_out) or self.has_loops or has_extreme_mass_ratio(self.system)
 
     @property
     def takes_over(self) -> bool:

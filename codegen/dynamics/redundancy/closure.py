@@ -63,7 +63,7 @@ ROUNDED = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
-class Closed:
+class NearlyRedundantRow:
     """A row that others imply within the closure tolerance, and that is left out.
 
     Parameters
@@ -273,7 +273,7 @@ def closed_rows(
     rows: Sequence[ConstraintEquation],
     dropped: Sequence[ConstraintEquation],
     positions: Sequence[BranchPosition],
-) -> tuple[Closed, ...]:
+) -> tuple[NearlyRedundantRow, ...]:
     """Rows that are left out and that others do not imply to rounding.
 
     With yᵀ C_q = 0 small displacements keep yᵀ C: where all other rows are met, the residuals of
@@ -293,7 +293,7 @@ def closed_rows(
         missed = np.maximum(missed, np.abs(_missed_alone(branch, position, indices)))
     is_length = [branch.is_length(k) for k in indices]
     candidates = zip(dropped, is_length, pivots, missed.tolist(), strict=True)
-    closed = (Closed(*candidate) for candidate in candidates)
+    closed = (NearlyRedundantRow(*candidate) for candidate in candidates)
     return tuple(
         row
         for row, starts_open in zip(closed, is_open.tolist(), strict=True)

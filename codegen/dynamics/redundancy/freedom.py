@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.recording.program import ConstraintEquation
     from kousoku.codegen.dynamics.redundancy.branch import BranchPosition
-    from kousoku.codegen.dynamics.redundancy.closure import Closed
+    from kousoku.codegen.dynamics.redundancy.closure import NearlyRedundantRow
     from kousoku.codegen.dynamics.redundancy.loops import LoopPart
     from kousoku.codegen.dynamics.redundancy.rank import LQFactors
     from kousoku.codegen.dynamics.redundancy.undetermined import Undetermined
@@ -107,7 +107,7 @@ class Mobility:
     idle : tuple of ConstraintEquation
         Rows left out that carry nothing: no motion changes them, or rows of the same joint, of a
         kind of one's own, imply them.
-    closed : tuple of Closed
+    closed : tuple of NearlyRedundantRow
         Rows left out that others imply within the closure tolerance, but not to rounding.
     undetermined : tuple of (str, tuple of str)
         Components of force and torque, ``"fx"`` to ``"mz"``, that are not unique, of joints whose
@@ -124,7 +124,7 @@ class Mobility:
     unknown: tuple[str, ...] = ()
     drivers: int = 0
     idle: tuple[ConstraintEquation, ...] = ()
-    closed: tuple[Closed, ...] = ()
+    closed: tuple[NearlyRedundantRow, ...] = ()
     undetermined: Undetermined = ()
 
     @classmethod
