@@ -446,7 +446,7 @@ static double even_end(double h, double end, const State *s)
  * steady: bounds that are loose beside a place where a quotient is 0/0 would lead steps there */
 static int sampling_in(double tolerance, double first, double last, double *w)
 {
-    Variation variations[ROOM(N_FEATURES)];
+    VariationBounds variations[ROOM(N_FEATURES)];
     const double h = (last - first) / PIECES, *features = w + W_FEATURES;
     int is_coarse = 0;
     bounds_between(first, first, w);
