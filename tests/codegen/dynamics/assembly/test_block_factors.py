@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from kousoku.codegen.dynamics.assembly.block_factors import BlockFactors, Pattern
-from kousoku.codegen.dynamics.assembly.fixed_points import Accelerated
+from kousoku.codegen.dynamics.assembly.fixed_points import AndersonAcceleration
 from kousoku.codegen.dynamics.assembly.newton_double import DoublePose
 from kousoku.codegen.dynamics.assembly.pose import Pose
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
@@ -84,7 +84,7 @@ def test_a_place_in_doubles_moves_as_a_pose_in_fifty_digits(mechanisms: SimpleNa
 def test_a_fixed_point_is_found_in_fewer_steps() -> None:
     """Of x ← cos x, component by component, where each step alone gains a sixth of a digit."""
 
-    def steps(accelerated: Accelerated | None) -> int:
+    def steps(accelerated: AndersonAcceleration | None) -> int:
         x = np.linspace(0.0, 1.0, 4)
         for count in range(200):
             value = np.cos(x)
@@ -94,4 +94,4 @@ def test_a_fixed_point_is_found_in_fewer_steps() -> None:
         return 200
 
     assert steps(None) > 60
-    assert steps(Accelerated(np.ones(4))) < 20
+    assert steps(AndersonAcceleration(np.ones(4))) < 20
