@@ -236,7 +236,7 @@ class ForceElement:
         return False
 
     @property
-    def works(self) -> bool:
+    def is_nonconservative(self) -> bool:
         """Whether it does work that is no potential energy: dampers, and forces that change."""
         damping = dict(self.constants).get("damping", (0.0,))
         return not self.has_potential or damping != (0.0,)

@@ -414,7 +414,7 @@ class NewtonEulerEquations:
         names = self._formula_names(courses, time)
         constants = self._constants(force, names)
         power, energy = facets_of(force).by_definition(self, courses, names, constants, loads)
-        if force.works:
+        if force.is_nonconservative:
             loads.powers[force.name] = loads.powers.get(force.name, 0) + power
         if force.has_potential:
             loads.potential += energy

@@ -99,7 +99,7 @@ class CoordinateSpringFacets(OnCoordinate[CoordinateSpring]):
         ends = self.jacobians(tasks)
         rate = self.rate(tasks)
         names, arguments = tasks.law(self.force)
-        operation = CoordinateSpringEffect(self.force.law, names, self.force.works)
+        operation = CoordinateSpringEffect(self.force.law, names, self.force.is_nonconservative)
         value = tasks.coordinates.value(self.force.coordinate)
         return tasks.recorder.call(operation, *ends, value, rate, *constants, *arguments)
 

@@ -76,9 +76,9 @@ class ForceFacets(ABC, Generic[E]):
     def effect(self, tasks: ForceRecorder) -> tuple[SlotMatrix, ...]:
         """M⁻¹f (c, 1) [m/s², rad/s²] of body i and of body j, then the power (1, 1) [W], recorded.
 
-        The power is that of the part without potential energy; it may be missing where nothing
-        :attr:`~kousoku.model.mechanics.multibody.ForceElement.works`. The share of the ground is
-        ignored.
+        The power is that of the part without potential energy; it may be missing where no force is
+        nonconservative, see :class:`~kousoku.model.mechanics.multibody.ForceElement`. The share of
+        the ground is ignored.
         """
 
     def energy(self, tasks: ForceRecorder) -> SlotMatrix:

@@ -112,7 +112,7 @@ class LoadFacets(ForceFacets[Load]):
         """M⁻¹f of body j, and the power, recorded."""
         j = tasks.body(self.force.j)
         blocks = (j.p, j.orientation, j.v_r, j.omega_b, j.inverse_mass)
-        operation = LoadEffect(self.force.kind, j.columns, self.force.works)
+        operation = LoadEffect(self.force.kind, j.columns, self.force.is_nonconservative)
         constants = tasks.constants(self.force)
         return (column(()), *tasks.recorder.call(operation, *blocks, *constants))
 

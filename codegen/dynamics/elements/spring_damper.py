@@ -152,7 +152,9 @@ class SpringFacets(ForceFacets[PointSpring]):
             )
         ]
         names, arguments = tasks.law(self.force)
-        operation = SpringEffect(i.columns, j.columns, self.force.law, names, self.force.works)
+        operation = SpringEffect(
+            i.columns, j.columns, self.force.law, names, self.force.is_nonconservative
+        )
         return tasks.recorder.call(operation, *ends, *constants, *arguments)
 
     def energy(self, tasks: ForceRecorder) -> SlotMatrix:
