@@ -362,7 +362,7 @@ class System:
     carried : tuple of Carried
         All bodies of the scene, in its order, where some of them were joined to one body; empty
         where each is a body of its own.
-    resting : float [J]
+    static_potential : float [J]
         Potential energy of bodies and forces that stand still, and are left out.
     only_held : int
         Count of the coordinates, the last ones, that only held values need.
@@ -389,7 +389,7 @@ class System:
     parameters: tuple[tuple[str, float], ...] = ()
     gravity_law: tuple[str, str, str] = ("", "", "")
     carried: tuple[Carried, ...] = ()
-    resting: float = 0.0
+    static_potential: float = 0.0
     only_held: int = 0
     positive: tuple[tuple[str, float], ...] = ()
     closure_tolerance: float = CLOSURE_TOLERANCE
