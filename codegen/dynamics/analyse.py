@@ -49,7 +49,7 @@ from kousoku.model.lowering.parametric import fixed_system
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
 
-    from kousoku.codegen.dynamics.recording.program import ConservedMomenta, ConstraintEquation
+    from kousoku.codegen.dynamics.recording.program import ConservedMomenta, RowIndex
     from kousoku.codegen.dynamics.simplification.ground_joints import VelocityTransformation
     from kousoku.codegen.dynamics.simplification.outline import Outline
     from kousoku.model.mechanics.multibody import System
@@ -92,20 +92,20 @@ class Analysed:
     thin: tuple[str, ...] = ()
 
     @property
-    def solved(self) -> list[ConstraintEquation]:
+    def solved(self) -> list[RowIndex]:
         """Rows that have multipliers."""
         others = {*self.satisfied, *self.left_out}
         rows = self.outline.rows
         return [row for row in rows if row not in others] if others else list(rows)
 
     @property
-    def satisfied(self) -> list[ConstraintEquation]:
+    def satisfied(self) -> list[RowIndex]:
         """Rows that hold by themselves: those of joints whose coordinates describe bodies."""
         indices = {index for body in self.transformations.values() for index in body.instances}
         return [row for row in self.outline.rows if row.instance in indices]
 
     @property
-    def left_out(self) -> list[ConstraintEquation]:
+    def left_out(self) -> list[RowIndex]:
         """Rows that depend on others."""
         dropped = set(self.freedom.dropped)
         return [row for row in self.outline.rows if row in dropped] if dropped else []
@@ -223,7 +223,7 @@ def in_xy_plane(analysed: Analysed) -> Analysed:
     if not (shift := shift_of(analysed.outline.plane)):
         return analysed
 
-    def in_axes(rows: Sequence[ConstraintEquation]) -> tuple[ConstraintEquation, ...]:
+    def in_axes(rows: Sequence[RowIndex]) -> tuple[RowIndex, ...]:
         return permuted_rows(rows, analysed.system, shift)
 
     outline, freedom = analysed.outline, analysed.freedom

@@ -20,7 +20,7 @@ from kousoku.runtime.integrate.settings import ACTIONS
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.dynamics.recording.program import ConstraintEquation, Program
+    from kousoku.codegen.dynamics.recording.program import Program, RowIndex
     from kousoku.model.lowering.root_functions import Measure, PartScale
     from kousoku.model.mechanics.multibody import System
 
@@ -192,7 +192,7 @@ def measure_size(measure: Measure, system: System, length: float) -> float:
     return length / (system.unit if measure.force < 0 else 1.0)
 
 
-def row_of(row: ConstraintEquation, system: System) -> list[str]:
+def row_of(row: RowIndex, system: System) -> list[str]:
     """Name of the joint of a row, or the key of its driver, and the unit of its residual."""
     instance = system.constraints[row.instance]
     name = f"drivers.{row.joint}" if instance.is_driver else row.joint

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from kousoku.codegen.dynamics.assembly.residuals import Residuals
-    from kousoku.codegen.dynamics.recording.program import ConstraintEquation
+    from kousoku.codegen.dynamics.recording.program import RowIndex
     from kousoku.codegen.dynamics.redundancy.branch import BranchPosition
     from kousoku.codegen.dynamics.redundancy.freedom import Mobility
     from kousoku.codegen.dynamics.redundancy.rank import LQFactors
@@ -68,7 +68,7 @@ class NearlyRedundantRow:
 
     Parameters
     ----------
-    row : ConstraintEquation
+    row : RowIndex
         The row.
     is_length : bool
         Whether its residual is a length, or else an angle.
@@ -78,7 +78,7 @@ class NearlyRedundantRow:
         Its largest residual at the positions that were looked at.
     """
 
-    row: ConstraintEquation
+    row: RowIndex
     is_length: bool
     pivot: float
     missed: float
@@ -158,7 +158,7 @@ def _scales(residuals: Residuals, bodies: Sequence[MovingBody]) -> Scales:
 def require_gap(
     system: System,
     branch: Branch,
-    rows: Sequence[ConstraintEquation],
+    rows: Sequence[RowIndex],
     positions: Sequence[BranchPosition],
 ) -> None:
     """Refuse rows that are neither redundant nor independent.
@@ -194,7 +194,7 @@ def far_from_singular(positions: Sequence[BranchPosition]) -> list[BranchPositio
 
 
 def starts_closed(
-    system: System, branch: Branch, rows: Sequence[ConstraintEquation], start: BranchPosition
+    system: System, branch: Branch, rows: Sequence[RowIndex], start: BranchPosition
 ) -> bool:
     """Whether residuals at the start of a scene are within the closure tolerance.
 
@@ -213,7 +213,7 @@ def starts_closed(
     return size <= tolerance
 
 
-def _refuse(system: System, row: ConstraintEquation, others: Sequence[str], size: str) -> NoReturn:
+def _refuse(system: System, row: RowIndex, others: Sequence[str], size: str) -> NoReturn:
     """Refuse a row that is neither redundant nor independent."""
     tolerance, leaning = system.closure_tolerance, _leaning(system, (row.joint, *others))
     raise SceneError(
@@ -225,7 +225,7 @@ def _refuse(system: System, row: ConstraintEquation, others: Sequence[str], size
     )
 
 
-def _joints_beside_last(factors: LQFactors, rows: Sequence[ConstraintEquation]) -> list[str]:
+def _joints_beside_last(factors: LQFactors, rows: Sequence[RowIndex]) -> list[str]:
     """Joints of the rows that nearly imply the row that was taken last."""
     last = factors.rank - 1
     weights = factors.lower[last].copy()
@@ -270,8 +270,8 @@ def _angle_between(a: Array, b: Array) -> float:
 
 def closed_rows(
     branch: Branch,
-    rows: Sequence[ConstraintEquation],
-    dropped: Sequence[ConstraintEquation],
+    rows: Sequence[RowIndex],
+    dropped: Sequence[RowIndex],
     positions: Sequence[BranchPosition],
 ) -> tuple[NearlyRedundantRow, ...]:
     """Rows that are left out and that others do not imply to rounding.

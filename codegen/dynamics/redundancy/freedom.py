@@ -41,7 +41,7 @@ from kousoku.runtime.integrate.settings import CLEARLY
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from kousoku.codegen.dynamics.recording.program import ConstraintEquation
+    from kousoku.codegen.dynamics.recording.program import RowIndex
     from kousoku.codegen.dynamics.redundancy.branch import BranchPosition
     from kousoku.codegen.dynamics.redundancy.closure import NearlyRedundantRow
     from kousoku.codegen.dynamics.redundancy.loops import LoopPart
@@ -93,7 +93,7 @@ class Mobility:
         Of C_q along the branch.
     dependent : tuple of DependentSet
         Sets that depend along the branch, then those that do at the start only.
-    dropped : tuple of ConstraintEquation
+    dropped : tuple of RowIndex
         Rows that depend on the others and are left out.
     worst : float
         Smallest pivot of the rows left out, over the positions: 1 is best, at 0 the remaining rows
@@ -104,7 +104,7 @@ class Mobility:
         Joints of parts with too many rows, whose dependences are not looked for.
     drivers : int
         Count of rows of drivers in loops.
-    idle : tuple of ConstraintEquation
+    idle : tuple of RowIndex
         Rows left out that carry nothing: no motion changes them, or rows of the same joint, of a
         kind of one's own, imply them.
     closed : tuple of NearlyRedundantRow
@@ -118,12 +118,12 @@ class Mobility:
     rows: int
     rank: int
     dependent: tuple[DependentSet, ...] = ()
-    dropped: tuple[ConstraintEquation, ...] = ()
+    dropped: tuple[RowIndex, ...] = ()
     worst: float = 1.0
     positions: int = 0
     unknown: tuple[str, ...] = ()
     drivers: int = 0
-    idle: tuple[ConstraintEquation, ...] = ()
+    idle: tuple[RowIndex, ...] = ()
     closed: tuple[NearlyRedundantRow, ...] = ()
     undetermined: Undetermined = ()
 
@@ -174,7 +174,7 @@ def mobility_of(system: System, outline: Outline) -> Mobility:
     """
     system = near_origin(system)
     total = Mobility.of(outline)
-    by_instance: dict[int, list[ConstraintEquation]] = {}
+    by_instance: dict[int, list[RowIndex]] = {}
     for row in outline.rows:
         by_instance.setdefault(row.instance, []).append(row)
     for part in loops_of(system):
@@ -211,7 +211,7 @@ def near_origin(system: System) -> System:
 
 
 def _freedom_of_part(
-    system: System, outline: Outline, part: LoopPart, rows: Sequence[ConstraintEquation]
+    system: System, outline: Outline, part: LoopPart, rows: Sequence[RowIndex]
 ) -> Mobility:
     """Mobility that the rows of a part leave, exact or within the closure tolerance."""
     residuals, first_row = part_residuals(system, part)
@@ -280,7 +280,7 @@ def _freedom_of_part(
 
 
 def _is_independent(
-    system: System, outline: Outline, part: LoopPart, rows: Sequence[ConstraintEquation]
+    system: System, outline: Outline, part: LoopPart, rows: Sequence[RowIndex]
 ) -> bool:
     """Whether sparse factors show that no row depends on others at the start.
 
@@ -301,8 +301,8 @@ def _is_independent(
 
 
 def _joint_and_driver_rows(
-    system: System, rows: Sequence[ConstraintEquation]
-) -> tuple[list[ConstraintEquation], list[ConstraintEquation]]:
+    system: System, rows: Sequence[RowIndex]
+) -> tuple[list[RowIndex], list[RowIndex]]:
     """Rows of joints, which hold at all times, and rows of drivers.
 
     A point is driven in three directions. A driver that is constant in one of them, as across a
@@ -321,7 +321,7 @@ def _joint_and_driver_rows(
 
 
 def _dependences(
-    rows: Sequence[ConstraintEquation],
+    rows: Sequence[RowIndex],
     positions: Sequence[BranchPosition],
     takes_part: float = TAKES_PART,
 ) -> Mobility:
@@ -353,7 +353,7 @@ def _dependences(
     )
 
 
-def _shaky(rows: Sequence[ConstraintEquation], position: BranchPosition, rank: int) -> Mobility:
+def _shaky(rows: Sequence[RowIndex], position: BranchPosition, rank: int) -> Mobility:
     """Mobility of a shaky linkage: infinitesimally mobile, but finitely rigid.
 
     Rows that depend on each other there hold what the others do not, as those of two bars that are
@@ -419,7 +419,7 @@ def _components(
 
 
 def _dependent_set(
-    rows: Sequence[ConstraintEquation],
+    rows: Sequence[RowIndex],
     indices: Sequence[int],
     dimension: int,
     *,
@@ -429,5 +429,5 @@ def _dependent_set(
     return DependentSet(joints, len(indices), dimension, is_everywhere)
 
 
-def _joints(rows: Iterable[ConstraintEquation]) -> tuple[str, ...]:
+def _joints(rows: Iterable[RowIndex]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(row.joint for row in rows))

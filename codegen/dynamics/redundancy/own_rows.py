@@ -23,7 +23,7 @@ from kousoku.runtime.integrate.settings import CLEARLY
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kousoku.codegen.dynamics.recording.program import ConstraintEquation
+    from kousoku.codegen.dynamics.recording.program import RowIndex
     from kousoku.codegen.dynamics.redundancy.freedom import Mobility
     from kousoku.model.mechanics.multibody import System
     from kousoku.model.numbers.real import Array
@@ -77,12 +77,12 @@ def require_own_rows_implied(system: System, freedom: Mobility, *, is_planar: bo
             )
 
 
-def repeated_rows(system: System, freedom: Mobility) -> tuple[ConstraintEquation, ...]:
+def repeated_rows(system: System, freedom: Mobility) -> tuple[RowIndex, ...]:
     """Rows left out that other rows of the same joint, of a kind of one's own, imply.
 
     The reaction of the joint does not depend on their multipliers: they carry nothing.
     """
-    repeated: list[ConstraintEquation] = []
+    repeated: list[RowIndex] = []
     for index, instance in enumerate(system.constraints):
         dropped = [row for row in freedom.dropped if row.instance == index]
         if not dropped or not is_own(instance.kind):
