@@ -372,7 +372,7 @@ class System:
         Rows of joints that others imply within it are redundant.
     events : tuple of SystemEvent
         In the order of the scene.
-    given : tuple of WrittenStart
+    written_starts : tuple of WrittenStart
         All bodies of the scene, in its order, where the start depends on parameters; else empty.
     """
 
@@ -394,7 +394,7 @@ class System:
     positive: tuple[tuple[str, float], ...] = ()
     closure_tolerance: float = CLOSURE_TOLERANCE
     events: tuple[SystemEvent, ...] = ()
-    given: tuple[WrittenStart, ...] = ()
+    written_starts: tuple[WrittenStart, ...] = ()
 
     def has_gravity(self, axis: int) -> bool:
         """Whether gravity has a component along an axis, or may have one."""

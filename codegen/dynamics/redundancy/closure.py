@@ -318,7 +318,7 @@ def notes_of_freedom(system: System, freedom: Mobility) -> Iterator[str]:
     """Notes on rows that were taken as redundant, and on scenes in which nothing moves."""
     fixed = fixed_system(system)
     # with other parameters residuals may be larger, and what is rigid here may move
-    depends = fixed.constraints != system.constraints or system.given
+    depends = fixed.constraints != system.constraints or system.written_starts
     condition = ", with the parameters of the scene" if depends else ""
     worst: dict[tuple[str, bool], float] = {}
     for closed in freedom.closed:
