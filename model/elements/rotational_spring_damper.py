@@ -61,7 +61,7 @@ class RotationalSpringDamper(ForceKind):
         assert not isinstance(force.stiffness, tuple)
         assert not isinstance(force.damping, tuple)
         if force.coordinate is not None:
-            index = lowering.coordinates.place(force.coordinate)
+            index = lowering.coordinates.index_of(force.coordinate)
         else:
             assert force.joint is not None
             index = lowering.coordinates.of_joint(force.joint, force.of or ANGLE)
