@@ -23,7 +23,7 @@ from kousoku.codegen.dynamics.emission.context_numbers import row_of
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.dynamics.operations.mechanics import frozen
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
-from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
+from kousoku.codegen.dynamics.redundancy.freedom import mobility_of
 from kousoku.codegen.dynamics.simplification.outline import outline_of
 from kousoku.labels import columns_of, is_turn, rows_of
 from kousoku.model.errors import SolveError
@@ -50,7 +50,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from kousoku.codegen.dynamics.redundancy.freedom import Freedom
+    from kousoku.codegen.dynamics.redundancy.freedom import Mobility
     from kousoku.model.mechanics.multibody import Instance, MovingBody, System
     from kousoku.model.numbers.real import Array
     from kousoku.model.records.scene import Scene
@@ -187,8 +187,8 @@ class SceneEquations:
         return not self.lacks
 
     @cached_property
-    def _freedom(self) -> Freedom:
-        return freedom_of(fixed_system(self.system), outline_of(self.system, None))
+    def _freedom(self) -> Mobility:
+        return mobility_of(fixed_system(self.system), outline_of(self.system, None))
 
     @property
     def unknown(self) -> tuple[str, ...]:

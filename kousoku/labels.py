@@ -11,7 +11,7 @@ from kousoku.model.records.own_kind import is_own, kind_name
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from kousoku.codegen.dynamics.recording.program import ConstraintEquation
+    from kousoku.codegen.dynamics.recording.program import RowIndex
     from kousoku.model.mechanics.multibody import Instance, MovingBody, System
 
 #: Columns of a body: those of a point are the first three.
@@ -27,7 +27,7 @@ def columns_of(bodies: Sequence[MovingBody]) -> tuple[str, ...]:
     )
 
 
-def rows_of(system: System, rows: Iterable[ConstraintEquation]) -> Iterator[str]:
+def rows_of(system: System, rows: Iterable[RowIndex]) -> Iterator[str]:
     """Labels of the rows: joint or driver, kind, component."""
     counts = Counter((constraint.joint, constraint.kind) for constraint in system.constraints)
     numbers: dict[int, int] = {}

@@ -18,7 +18,7 @@ from kousoku.codegen.dynamics.simplification.planarity import plane_of
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from kousoku.codegen.dynamics.recording.program import ConstraintEquation
+    from kousoku.codegen.dynamics.recording.program import RowIndex
     from kousoku.model.mechanics.multibody import System
 
 
@@ -33,7 +33,7 @@ def independent(system: System, *, may_be_planar: bool = True) -> Analysed:
 
 
 def without(
-    found: Analysed, rows: Iterable[ConstraintEquation], joints: Sequence[str] | None = None
+    found: Analysed, rows: Iterable[RowIndex], joints: Sequence[str] | None = None
 ) -> Analysed:
     """System without some rows; forces of joints, all unless named, are not unique."""
     names = dict.fromkeys(row.joint for row in found.outline.rows) if joints is None else joints

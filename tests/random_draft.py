@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from kousoku.model.elements.joints import JOINTS, NAMES, leaves_of
+from kousoku.model.elements.joints import JOINTS, NAMES, free_coordinates_of
 from tests.random_bodies import MASSES, ORIENTATIONS, STARTS
 from tests.random_geometry import DIRECTIONS, Pose, across
 
@@ -233,18 +233,18 @@ class Draft:
         found = [
             (name, sort)
             for name, joint in joints
-            for sort in leaves_of(joint["type"])
+            for sort in free_coordinates_of(joint["type"])
             if sort in sorts and (sort != "displacement" or self._counts(joint))
         ]
         if found:
             return self.draw.choice(found)
         kind = "revolute" if "angle" in sorts else "prismatic"
-        return self.hang(kind), leaves_of(kind)[0]
+        return self.hang(kind), free_coordinates_of(kind)[0]
 
     @staticmethod
     def _counts(joint: Tree) -> bool:
         """Whether a joint says along which direction its displacement counts."""
-        return "zero" in joint or "second_displacement" not in leaves_of(joint["type"])
+        return "zero" in joint or "second_displacement" not in free_coordinates_of(joint["type"])
 
     def hang(self, kind: str) -> str:
         """Add a body on the ground, and return its joint."""
@@ -258,7 +258,9 @@ class Draft:
 
     def leaf(self, joint: str, of: str) -> Tree:
         """Keys that mean what a joint leaves free."""
-        return {"joint": joint} | ({"of": of} if len(leaves_of(self.type_of(joint))) > 1 else {})
+        return {"joint": joint} | (
+            {"of": of} if len(free_coordinates_of(self.type_of(joint))) > 1 else {}
+        )
 
     def coordinate(self, sorts: tuple[str, ...] = ("angle", "displacement")) -> str:
         """Add a coordinate of a joint, or find it, and return its name."""

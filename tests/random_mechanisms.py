@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku.model.elements.joint import ANGLE
-from kousoku.model.elements.joints import COUPLINGS, JOINTS, NAMES, leaves_of
+from kousoku.model.elements.joints import COUPLINGS, JOINTS, NAMES, free_coordinates_of
 from tests.random_geometry import DIRECTIONS, TURNS, Pose, rotation
 
 if TYPE_CHECKING:
@@ -114,8 +114,10 @@ def _bricard(draft: Draft) -> Driven:
 
 def _wheels(draft: Draft) -> Driven:
     """Add two wheels and a rack, and what couples them; return what is left to drive."""
-    angles = [name for name in JOINT_NAMES if ANGLE in leaves_of(name)]
-    one = [name for name in angles if len(leaves_of(name)) == 1 and NAMES[name] == "revolute"]
+    angles = [name for name in JOINT_NAMES if ANGLE in free_coordinates_of(name)]
+    one = [
+        name for name in angles if len(free_coordinates_of(name)) == 1 and NAMES[name] == "revolute"
+    ]
     kinds = one if draft.kind == "driven" else angles
     first, second = (draft.hang(draft.draw.choice(kinds)) for _ in range(2))
     rack = draft.hang("prismatic")
@@ -132,7 +134,8 @@ def _wheels(draft: Draft) -> Driven:
     types = [draft.table("joints")[joint]["type"] for joint, _ in given]
     names = [
         draft.add(
-            "coordinates", {"joint": joint} | ({"of": of} if len(leaves_of(kind)) > 1 else {})
+            "coordinates",
+            {"joint": joint} | ({"of": of} if len(free_coordinates_of(kind)) > 1 else {}),
         )
         for (joint, of), kind in zip(given, types, strict=True)
     ]

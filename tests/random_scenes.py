@@ -11,7 +11,7 @@ from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 from kousoku.model.elements.joint import ANGLE
-from kousoku.model.elements.joints import leaves_of
+from kousoku.model.elements.joints import free_coordinates_of
 from tests.random_draft import Draft
 from tests.random_geometry import DIRECTIONS
 from tests.random_mechanisms import DETERMINED, JOINT_NAMES, MECHANISMS
@@ -53,14 +53,15 @@ def _spring(draft: Draft, **more: Any) -> Tree:
 
 def _rotational(draft: Draft, **more: Any) -> Tree:
     joint, of = draft.free(("angle", "second_angle"))
-    two = "second_angle" in leaves_of(draft.type_of(joint))
+    two = "second_angle" in free_coordinates_of(draft.type_of(joint))
     own = {"joint": joint} | ({"of": of} if two else {})
     return {"type": "rotational_spring_damper", **own, **more}
 
 
 def _friction(draft: Draft, *, is_of: bool) -> Tree:
     joint, of = draft.free(("angle", "displacement"))
-    is_of = is_of or len(leaves_of(draft.type_of(joint))) > 1  # of an angle it is another number
+    # of an angle it is another number
+    is_of = is_of or len(free_coordinates_of(draft.type_of(joint))) > 1
     damping = draft.formula(0.25 * draft.metre**2 if "angle" in of else 0.25)
     return {"type": "friction", "joint": joint, "damping": damping} | ({"of": of} if is_of else {})
 
@@ -171,17 +172,17 @@ DRIVERS: dict[str, Callable[[Draft], Tree]] = {
 def _drive(draft: Draft, joints: Driven) -> None:
     """Drive all of these joints, by formulas or as inputs."""
     for joint in joints:
-        leaves = leaves_of(draft.type_of(joint))
-        size = 1.0 if leaves[0] == ANGLE else 0.25 * draft.metre
+        free = free_coordinates_of(draft.type_of(joint))
+        size = 1.0 if free[0] == ANGLE else 0.25 * draft.metre
         # Inputs take the same time: there is one, and drivers do the rest.
-        if joint == joints[0] and len(leaves) == 1 and draft.pick("input", (False, True)):
-            way: Tree = {"turns": 0.125} if leaves[0] == ANGLE else {"to": size}
+        if joint == joints[0] and len(free) == 1 and draft.pick("input", (False, True)):
+            way: Tree = {"turns": 0.125} if free[0] == ANGLE else {"to": size}
             way |= draft.pick("rate", ({}, {"rate": size}, {"rate": size, "acceleration": size}))
             draft.add("inputs", {"joint": joint, **way})
             draft.tree["divisions"] = 20
         else:
             law = {"value": draft.law(0, size)}
-            draft.add("drivers", draft.leaf(joint, leaves[0]) | law)
+            draft.add("drivers", draft.leaf(joint, free[0]) | law)
 
 
 def _grow(draft: Draft) -> None:

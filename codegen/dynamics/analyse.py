@@ -25,11 +25,11 @@ from kousoku.codegen.dynamics.operations.body_coordinates import (
     with_all_inertias,
 )
 from kousoku.codegen.dynamics.redundancy.constant_rows import require_constant_rows_hold
-from kousoku.codegen.dynamics.redundancy.freedom import Freedom, freedom_of
+from kousoku.codegen.dynamics.redundancy.freedom import Mobility, mobility_of
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
+from kousoku.codegen.dynamics.redundancy.mass_ratio import has_extreme_mass_ratio
 from kousoku.codegen.dynamics.redundancy.own_rows import repeated_rows, require_own_rows_implied
 from kousoku.codegen.dynamics.redundancy.redundant_rows import by_instance, shares_out, take_over
-from kousoku.codegen.dynamics.redundancy.unevenness import is_uneven
 from kousoku.codegen.dynamics.simplification.axis_permutation import (
     Plane,
     permuted,
@@ -49,7 +49,7 @@ from kousoku.model.lowering.parametric import fixed_system
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
 
-    from kousoku.codegen.dynamics.recording.program import ConservedMomenta, ConstraintEquation
+    from kousoku.codegen.dynamics.recording.program import ConservedMomenta, RowIndex
     from kousoku.codegen.dynamics.simplification.ground_joints import VelocityTransformation
     from kousoku.codegen.dynamics.simplification.outline import Outline
     from kousoku.model.mechanics.multibody import System
@@ -70,7 +70,7 @@ class Analysed:
         System whose equations are solved.
     outline : Outline
         Its plane, and rows and columns that are not structurally zero.
-    freedom : Freedom
+    freedom : Mobility
         Its degrees of freedom, and the rows that are left out.
     transformations : mapping of int to VelocityTransformation
         Bodies that the coordinates of their joint with the ground describe, in the axes of the
@@ -85,27 +85,27 @@ class Analysed:
 
     system: System
     outline: Outline
-    freedom: Freedom
+    freedom: Mobility
     transformations: Mapping[int, VelocityTransformation] = field(default_factory=dict)
     lumped: tuple[str, ...] = ()
     missing: tuple[str, ...] = ()
     thin: tuple[str, ...] = ()
 
     @property
-    def solved(self) -> list[ConstraintEquation]:
+    def solved(self) -> list[RowIndex]:
         """Rows that have multipliers."""
         others = {*self.satisfied, *self.left_out}
         rows = self.outline.rows
         return [row for row in rows if row not in others] if others else list(rows)
 
     @property
-    def satisfied(self) -> list[ConstraintEquation]:
+    def satisfied(self) -> list[RowIndex]:
         """Rows that hold by themselves: those of joints whose coordinates describe bodies."""
         indices = {index for body in self.transformations.values() for index in body.instances}
         return [row for row in self.outline.rows if row.instance in indices]
 
     @property
-    def left_out(self) -> list[ConstraintEquation]:
+    def left_out(self) -> list[RowIndex]:
         """Rows that depend on others."""
         dropped = set(self.freedom.dropped)
         return [row for row in self.outline.rows if row in dropped] if dropped else []
@@ -118,7 +118,7 @@ class Analysed:
     @property
     def refines(self) -> bool:
         """Whether a run may have to refine accelerations, where C_q M⁻¹ C_qᵀ loses digits."""
-        return bool(self.left_out) or self.has_loops or is_uneven(self.system)
+        return bool(self.left_out) or self.has_loops or has_extreme_mass_ratio(self.system)
 
     @property
     def takes_over(self) -> bool:
@@ -178,7 +178,7 @@ def with_all_rows(system: System, plane: Plane | None) -> Analysed:
     require_few_joints(system)
     require_masses(permuted(system, shift_of(plane)), is_planar=plane is not None)
     outline = outline_of(system, plane)
-    return Analysed(system, outline, Freedom.of(outline))
+    return Analysed(system, outline, Mobility.of(outline))
 
 
 def ranked(system: System, plane: Plane | None) -> Analysed:
@@ -189,7 +189,7 @@ def ranked(system: System, plane: Plane | None) -> Analysed:
     analysed = with_all_rows(system, plane)
     fixed = fixed_system(system)
     require_constant_rows_hold(fixed, analysed.outline)
-    freedom = freedom_of(fixed, analysed.outline)
+    freedom = mobility_of(fixed, analysed.outline)
     require_own_rows_implied(fixed, freedom, is_planar=analysed.outline.is_planar)
     freedom = replace(freedom, idle=(*freedom.idle, *repeated_rows(fixed, freedom)))
     if freedom.closed:
@@ -223,7 +223,7 @@ def in_xy_plane(analysed: Analysed) -> Analysed:
     if not (shift := shift_of(analysed.outline.plane)):
         return analysed
 
-    def in_axes(rows: Sequence[ConstraintEquation]) -> tuple[ConstraintEquation, ...]:
+    def in_axes(rows: Sequence[RowIndex]) -> tuple[RowIndex, ...]:
         return permuted_rows(rows, analysed.system, shift)
 
     outline, freedom = analysed.outline, analysed.freedom

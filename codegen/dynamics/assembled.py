@@ -23,7 +23,7 @@ class Assembled:
 
     Parameters
     ----------
-    given : System
+    written_system : System
         The scene as it is written.
     placed : System
         The scene at positions and velocities that its joints and drivers allow, with the
@@ -32,7 +32,7 @@ class Assembled:
         The same without these: the system that moves.
     """
 
-    given: System
+    written_system: System
     placed: System
     system: System
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.analyse import Analysed
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.codegen.dynamics.redundancy.freedom import Freedom
+    from kousoku.codegen.dynamics.redundancy.freedom import Mobility
 
 #: Segments that every stage of a step runs: their cost decides, whatever the outputs are.
 STAGE_SEGMENTS = frozenset({"geometry", "position", "move", "velocity", "acceleration"})
@@ -163,7 +163,7 @@ def _in_space(analysed: Analysed, wanted: Sequence[str]) -> tuple[Analysed, Prog
     return spatial, program
 
 
-def _named(program: Program, freedom: Freedom) -> Program:
+def _named(program: Program, freedom: Mobility) -> Program:
     """Program with the joints whose reactions are not unique."""
     return replace(
         program,

@@ -134,13 +134,13 @@ def compose_scene(scene: Scene, wanted: Sequence[str]) -> Composed:
     start = assemble_scene(scene, wanted)
     analysed = analyse(start.system, wanted)
     if analysed.freedom.degrees:
-        written = written_start(scene, start.given, analysed.system)
-        analysed = replace(analysed, system=replace(analysed.system, given=written))
+        written = written_start(scene, start.written_system, analysed.system)
+        analysed = replace(analysed, system=replace(analysed.system, written_starts=written))
     require_driven(analysed, wanted)
     program = choice_of(analysed, (*LEDGER_OUTPUTS, *wanted)).program
-    changes = changes_of_assembly(start.given, start.placed)
+    changes = changes_of_assembly(start.written_system, start.placed)
     notes = (
-        *notes_of(changes, start.given.unit, scene.unit),
+        *notes_of(changes, start.written_system.unit, scene.unit),
         *notes_of_freedom(analysed.system, analysed.freedom),
         *_notes_of_reactions(program),
         *_notes_of_distances(start.placed),

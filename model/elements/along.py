@@ -48,7 +48,7 @@ class Along(ForceKind):
         """Element of the force: one number τ (1,) in SI units, Jᵀτ."""
         assert force.coordinate is not None
         assert not isinstance(force.force, tuple)
-        index = lowering.coordinates.place(force.coordinate)
+        index = lowering.coordinates.index_of(force.coordinate)
         scale = lowering.unit if is_length(lowering, index) else lowering.unit**2
         constants, formulas = scalars({"force": (force.force, scale)})
         u = lowering.coordinates.record(index)

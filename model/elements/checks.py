@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.model.elements.inputs import key_value
 from kousoku.model.elements.joint import DISPLACEMENTS
-from kousoku.model.elements.joints import JOINTS, NAMES, leaves_of, sort_of
+from kousoku.model.elements.joints import JOINTS, NAMES, free_coordinates_of, sort_of
 from kousoku.model.errors import SceneError
 from kousoku.model.records.dotted_keys import join, require_known
 from kousoku.model.text import in_words, with_a
@@ -54,24 +54,24 @@ def check_leaves(scene: Scene, name: str, of: str | None, key: str) -> str:
     """
     require_known("joint", name, scene.joints, f"{key}.joint")
     kind = scene.joints[name].type
-    leaves = leaves_of(kind)
-    if not leaves:
-        known = ", ".join(other for other, entry in JOINTS.items() if entry.leaves)
+    free = free_coordinates_of(kind)
+    if not free:
+        known = ", ".join(other for other, entry in JOINTS.items() if entry.free_coordinates)
         raise SceneError(
             f"{name} is {with_a(kind)} joint, which leaves free no angle or displacement that is "
             f"one number; wanted one of {known}",
             key=f"{key}.joint",
         )
-    if of is not None and of not in leaves:
+    if of is not None and of not in free:
         raise SceneError(
             f"{name} is {with_a(kind)} joint, which has no {of} that is one number; wanted "
-            f"{in_words([repr(leaf) for leaf in leaves], 'or')}",
+            f"{in_words([repr(sort) for sort in free], 'or')}",
             key=f"{key}.of",
         )
-    if of is None and len(leaves) > 1:
+    if of is None and len(free) > 1:
         raise SceneError(
-            f"is missing; {name} is {with_a(kind)} joint, which leaves {len(leaves)} free: wanted "
-            f"{in_words([repr(leaf) for leaf in leaves], 'or')}",
+            f"is missing; {name} is {with_a(kind)} joint, which leaves {len(free)} free: wanted "
+            f"{in_words([repr(sort) for sort in free], 'or')}",
             key=f"{key}.of",
         )
     sort = sort_of(kind, of)

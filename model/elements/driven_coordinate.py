@@ -48,7 +48,7 @@ class DrivenCoordinate(DriverKind):
         """Coordinate u and its law f(t), in the unit of the scene or rad."""
         assert driver.coordinate is not None
         assert driver.value is not None
-        yield coordinates.place(driver.coordinate), driver.value
+        yield coordinates.index_of(driver.coordinate), driver.value
 
     def of_joint(self, scene: Scene, driver: Driver) -> tuple[str, str | None] | None:
         """Joint of the coordinate, and which of its free coordinates, if it has a joint."""

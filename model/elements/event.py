@@ -75,7 +75,7 @@ class ZeroCrossing:
         """Event of a system; the coordinates that its formula needs are added to the list."""
         event = self.event
         for name in used_coordinates(self.scene, [event.when]):
-            coordinates.place(name)
+            coordinates.index_of(name)
         return SystemEvent(self.name, event.when, DIRECTIONS[event.direction], event.action)
 
     def notes(self) -> Iterator[str]:

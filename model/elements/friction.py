@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from kousoku.model.elements.checks import check_leaves
 from kousoku.model.elements.coordinate_spring import linear_spring
 from kousoku.model.elements.force import ForceKind, require_one
-from kousoku.model.elements.joints import leaves_of
+from kousoku.model.elements.joints import free_coordinates_of
 from kousoku.model.errors import SceneError
 
 if TYPE_CHECKING:
@@ -31,8 +31,8 @@ class Friction(ForceKind):
             raise SceneError("is missing; wanted the joint that it is in", key=f"{key}.joint")
         of: str | None = force.of
         if of is None and force.joint in scene.joints:
-            leaves = leaves_of(scene.joints[force.joint].type)
-            of = leaves[0] if leaves else None
+            free = free_coordinates_of(scene.joints[force.joint].type)
+            of = free[0] if free else None
         check_leaves(scene, force.joint, of, key)
         require_one(force.damping, f"{key}.damping")
 
@@ -40,7 +40,7 @@ class Friction(ForceKind):
         """Damper against each coordinate u that the joint leaves free, c [N s/m or N m s/rad]."""
         assert force.joint is not None
         assert not isinstance(force.damping, tuple)
-        leaves = leaves_of(lowering.scene.joints[force.joint].type)
-        sorts = leaves if force.of is None else (force.of,)
+        free = free_coordinates_of(lowering.scene.joints[force.joint].type)
+        sorts = free if force.of is None else (force.of,)
         for index in [lowering.coordinates.of_joint(force.joint, sort) for sort in sorts]:
             yield linear_spring(name, index, (0.0, force.damping), lowering)

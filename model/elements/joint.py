@@ -62,7 +62,7 @@ class JointKind:
         Whether a scene gives a point.
     aliases : tuple of str
         Other names that are accepted.
-    leaves : tuple of str
+    free_coordinates : tuple of str
         What it leaves free that is one number: its ``angle``, the ``second_angle`` of a universal
         joint, its ``displacement``, the ``second_displacement`` of a planar joint.
     keys : tuple of str
@@ -77,7 +77,7 @@ class JointKind:
     axes: int
     has_point: bool = True
     aliases: tuple[str, ...] = ()
-    leaves: tuple[str, ...] = ()
+    free_coordinates: tuple[str, ...] = ()
     keys: tuple[str, ...] = ()
     inputs: Mapping[str, ElementInput] = field(default_factory=dict)
 
@@ -151,18 +151,20 @@ class JointKind:
     @property
     def keeps_zero(self) -> bool:
         """Whether the zero directions across its axis stay parallel, or stay so but for a bend."""
-        return self.has_zero and ANGLE not in self.leaves
+        return self.has_zero and ANGLE not in self.free_coordinates
 
     @property
     def counts_along_zero(self) -> bool:
         """Whether its displacements are across its axis: along the zero direction and beside it."""
-        return SECOND_DISPLACEMENT in self.leaves
+        return SECOND_DISPLACEMENT in self.free_coordinates
 
     @property
     def has_zero(self) -> bool:
         """Whether zero directions across its axis matter: it has an angle, or keeps one fixed."""
         across = any("across" in (part.i, part.j) for part in self.parts)
-        return across or ANGLE in self.leaves or (self.axes == 2 and COMBINED in self.parts)
+        return (
+            across or ANGLE in self.free_coordinates or (self.axes == 2 and COMBINED in self.parts)
+        )
 
 
 POINT, PARALLEL, ON_LINE, ON_PLANE = (

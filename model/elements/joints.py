@@ -45,20 +45,20 @@ JOINTS: dict[str, JointKind] = {
         (POINT, PARALLEL),
         1,
         aliases=("hinge", "pin"),
-        leaves=(ANGLE,),
+        free_coordinates=(ANGLE,),
     ),
     "prismatic": JointKind(
         "a displacement along an axis",
         (PARALLEL, ON_LINE, NO_TURN),
         1,
         aliases=("slider", "translational"),
-        leaves=(DISPLACEMENT,),
+        free_coordinates=(DISPLACEMENT,),
     ),
     "cylindrical": JointKind(
         "a turn about an axis and a displacement along it",
         (PARALLEL, ON_LINE),
         1,
-        leaves=(ANGLE, DISPLACEMENT),
+        free_coordinates=(ANGLE, DISPLACEMENT),
     ),
     "spherical": JointKind("all turns about a point", (POINT,), 0, aliases=("ball",)),
     "universal": Universal(
@@ -66,13 +66,13 @@ JOINTS: dict[str, JointKind] = {
         (POINT, JointPart("n1")),
         2,
         aliases=("hooke", "cardan", "Hooke", "Cardan"),  # names of people
-        leaves=(ANGLE, SECOND_ANGLE),
+        free_coordinates=(ANGLE, SECOND_ANGLE),
     ),
     "planar": JointKind(
         "displacements in a plane and a turn about its normal",
         (PARALLEL, ON_PLANE),
         1,
-        leaves=(ANGLE, *DISPLACEMENTS),
+        free_coordinates=(ANGLE, *DISPLACEMENTS),
     ),
     "rod": RodJoint(
         "all that keeps the distance of two points",
@@ -85,7 +85,7 @@ JOINTS: dict[str, JointKind] = {
         (ON_LINE,),
         1,
         aliases=("inline",),
-        leaves=(DISPLACEMENT,),
+        free_coordinates=(DISPLACEMENT,),
     ),
     "point_on_plane": JointKind(
         "all turns, and displacements of the point of j in the plane through the point of i",
@@ -99,7 +99,7 @@ JOINTS: dict[str, JointKind] = {
         1,
         has_point=False,
         aliases=("parallel",),
-        leaves=(ANGLE,),
+        free_coordinates=(ANGLE,),
     ),
     "perpendicular_axes": JointKind(
         "all that keeps two axes perpendicular",
@@ -113,7 +113,7 @@ JOINTS: dict[str, JointKind] = {
         (PARALLEL, ON_LINE, COMBINED),
         1,
         aliases=("helical",),
-        leaves=(ANGLE, DISPLACEMENT),
+        free_coordinates=(ANGLE, DISPLACEMENT),
         keys=("pitch",),
     ),
     "constant_velocity": ConstantVelocity(
@@ -155,13 +155,13 @@ def inputs_of(kind: str) -> Mapping[str, ElementInput]:
     return entry.inputs if entry is not None else {}
 
 
-def leaves_of(kind: str) -> tuple[str, ...]:
+def free_coordinates_of(kind: str) -> tuple[str, ...]:
     """Relative coordinates that a joint leaves free, each one number, by its name or alias.
 
     None are known of a kind of one's own.
     """
     name = NAMES.get(kind)
-    return JOINTS[name].leaves if name in JOINTS else ()
+    return JOINTS[name].free_coordinates if name in JOINTS else ()
 
 
 def sort_of(kind: str, of: str | None) -> str:
@@ -174,4 +174,4 @@ def sort_of(kind: str, of: str | None) -> str:
     of : str, optional
         ``angle``, ``second_angle``, ``displacement`` or ``second_displacement``.
     """
-    return of or leaves_of(kind)[0]
+    return of or free_coordinates_of(kind)[0]

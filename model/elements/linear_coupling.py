@@ -63,7 +63,7 @@ class LinearCoupling(Coupling):
 
         assert joint.coordinates is not None
         assert joint.factors is not None
-        indices = [coordinates.place(coordinate) for coordinate in joint.coordinates]
+        indices = [coordinates.index_of(coordinate) for coordinate in joint.coordinates]
         factors = [precise.number(factor) for factor in joint.factors]
         units = [coordinates.unit_of(index)[0] for index in indices]
         if "m" in units:  # what is multiplied with an angle is a length

@@ -9,7 +9,7 @@ from kousoku.model.elements.checks import check_leaves
 from kousoku.model.elements.coordinate_spring import linear_spring, spring_against
 from kousoku.model.elements.force import ForceKind
 from kousoku.model.elements.joint import ANGLE, ANGLES, DISPLACEMENTS, SECOND_ANGLE
-from kousoku.model.elements.joints import leaves_of, sort_of
+from kousoku.model.elements.joints import free_coordinates_of, sort_of
 from kousoku.model.elements.spring import check_law, unused_free
 from kousoku.model.errors import SceneError
 from kousoku.model.text import with_a
@@ -61,7 +61,7 @@ class RotationalSpringDamper(ForceKind):
         assert not isinstance(force.stiffness, tuple)
         assert not isinstance(force.damping, tuple)
         if force.coordinate is not None:
-            index = lowering.coordinates.place(force.coordinate)
+            index = lowering.coordinates.index_of(force.coordinate)
         else:
             assert force.joint is not None
             index = lowering.coordinates.of_joint(force.joint, force.of or ANGLE)
@@ -78,14 +78,14 @@ def _check_angle(scene: Scene, force: Force, key: str) -> None:
     joint, of = force.joint or "", force.of
     if of in DISPLACEMENTS:
         raise SceneError("is no angle; wanted an angle", key=f"{key}.of")
-    leaves = leaves_of(scene.joints[joint].type) if joint in scene.joints else ()
-    if leaves and ANGLE not in leaves:
+    free = free_coordinates_of(scene.joints[joint].type) if joint in scene.joints else ()
+    if free and ANGLE not in free:
         kind = scene.joints[joint].type
         raise SceneError(
             f"{joint} is {with_a(kind)} joint, which has no angle that is one number",
             key=f"{key}.joint",
         )
-    check_leaves(scene, joint, of if of or SECOND_ANGLE in leaves else ANGLE, key)
+    check_leaves(scene, joint, of if of or SECOND_ANGLE in free else ANGLE, key)
 
 
 def _is_angle(scene: Scene, name: str) -> bool:

@@ -61,9 +61,9 @@ class Quotient(NamedTuple):
     ----------
     name : str
         What stands for it in formulas; its rate follows that.
-    whole : Expression
+    formula : Expression
         As it is written.
-    place : Expression
+    vanishing_argument : Expression
         z.
     numerator, denominator : Expression
         N and D, as functions of :data:`Z`.
@@ -72,8 +72,8 @@ class Quotient(NamedTuple):
     """
 
     name: str
-    whole: Expression
-    place: Expression
+    formula: Expression
+    vanishing_argument: Expression
     numerator: Expression
     denominator: Expression
     order: int
@@ -93,7 +93,7 @@ class Quotient(NamedTuple):
         spans : mapping of str to Bounds
             What bounds each name that varies.
         """
-        place = enclosure(self.place, spans)
+        place = enclosure(self.vanishing_argument, spans)
         ends = (apply(Op.MIN, place.least, ZERO), apply(Op.MAX, place.most, ZERO))
         near = {
             Z: place,
@@ -103,7 +103,7 @@ class Quotient(NamedTuple):
         a, da = self._series(self.numerator, 0)
         b, db = self._series(self.denominator, 1)
         near[ITSELF] = value = self._intersection(
-            enclosure(self.whole, spans), enclosure(div(a, b), near), place
+            enclosure(self.formula, spans), enclosure(div(a, b), near), place
         )
         slope = enclosure(div(add(da, neg(mul(symbol(ITSELF), db))), b), near)
         rate_near = product_of(slope, enclosure(speed, spans))

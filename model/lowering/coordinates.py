@@ -82,7 +82,7 @@ class CoordinateList:
         kind = self._records[index].kind
         return ("m", self.unit) if is_length(kind) else ("rad", CONTEXT.mpf(1))
 
-    def place(self, name: str) -> int:
+    def index_of(self, name: str) -> int:
         """Index of a coordinate of the scene."""
         if name in self._indices:
             return self._indices[name]
@@ -106,7 +106,7 @@ class CoordinateList:
         record = self.scene.joints[joint]
         sort = sort_of(record.type, of)
         if (joint, sort) in self._named:
-            return self.place(self._named[joint, sort])
+            return self.index_of(self._named[joint, sort])
         measure = joint_measure(record, sort, self.frames)
         return self.add(f"{joint}.{sort}", measure, self._starts.get((joint, sort)))
 

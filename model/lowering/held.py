@@ -81,7 +81,7 @@ def held_coordinates(scene: Scene, coordinates: CoordinateList) -> Iterator[Inst
     for name, coordinate in scene.coordinates.items():
         if not coordinate.hold:
             continue
-        index = coordinates.place(name)
+        index = coordinates.index_of(name)
         unit, scale = coordinates.unit_of(index)
         near = coordinates.value(index) if coordinate.near is None else scale * coordinate.near
         held = coordinates.record(index)

@@ -93,7 +93,7 @@ def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
     events = tuple(event.element(coordinates) for event in events_of(scene))
     wanted = _outputs(scene, outputs)
     shown = scene.coordinates if "coordinates" in wanted else ()
-    indices = tuple(coordinates.place(name) for name in shown)
+    indices = tuple(coordinates.index_of(name) for name in shown)
     needed = len(coordinates.records)
     held = (
         *chain.from_iterable(positions for positions, _ in held_by_body),

@@ -46,7 +46,7 @@ def force_elements(
     ]
     texts = chain.from_iterable(element.formulas for element in elements)
     for name in used_coordinates(scene, (text for _, text in texts)):
-        coordinates.place(name)
+        coordinates.index_of(name)
     return tuple(elements)
 
 

@@ -236,7 +236,7 @@ class ForceElement:
         return False
 
     @property
-    def works(self) -> bool:
+    def is_nonconservative(self) -> bool:
         """Whether it does work that is no potential energy: dampers, and forces that change."""
         damping = dict(self.constants).get("damping", (0.0,))
         return not self.has_potential or damping != (0.0,)
@@ -362,7 +362,7 @@ class System:
     carried : tuple of Carried
         All bodies of the scene, in its order, where some of them were joined to one body; empty
         where each is a body of its own.
-    resting : float [J]
+    static_potential : float [J]
         Potential energy of bodies and forces that stand still, and are left out.
     only_held : int
         Count of the coordinates, the last ones, that only held values need.
@@ -372,7 +372,7 @@ class System:
         Rows of joints that others imply within it are redundant.
     events : tuple of SystemEvent
         In the order of the scene.
-    given : tuple of WrittenStart
+    written_starts : tuple of WrittenStart
         All bodies of the scene, in its order, where the start depends on parameters; else empty.
     """
 
@@ -389,12 +389,12 @@ class System:
     parameters: tuple[tuple[str, float], ...] = ()
     gravity_law: tuple[str, str, str] = ("", "", "")
     carried: tuple[Carried, ...] = ()
-    resting: float = 0.0
+    static_potential: float = 0.0
     only_held: int = 0
     positive: tuple[tuple[str, float], ...] = ()
     closure_tolerance: float = CLOSURE_TOLERANCE
     events: tuple[SystemEvent, ...] = ()
-    given: tuple[WrittenStart, ...] = ()
+    written_starts: tuple[WrittenStart, ...] = ()
 
     def has_gravity(self, axis: int) -> bool:
         """Whether gravity has a component along an axis, or may have one."""

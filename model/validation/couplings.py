@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku.model.elements.checks import check_counted
-from kousoku.model.elements.joints import COUPLINGS, NAMES, leaves_of
+from kousoku.model.elements.joints import COUPLINGS, NAMES, free_coordinates_of
 from kousoku.model.errors import SceneError
 from kousoku.model.records.dotted_keys import require_known
 from kousoku.model.records.spatial import GROUND
@@ -68,7 +68,7 @@ def _check_joints(scene: Scene, joint: Joint, sorts: Sequence[str], key: str) ->
         item_key = f"{key}.joints[{index}]"
         require_known("joint", name, scene.joints, item_key)
         kind = scene.joints[name].type
-        if sort not in leaves_of(kind):
+        if sort not in free_coordinates_of(kind):
             raise SceneError(
                 f"{name} is {with_a(kind)} joint, which has no {sort} that is one number; wanted a "
                 f"joint that leaves one free",

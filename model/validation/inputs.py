@@ -6,7 +6,7 @@ from math import isfinite, isnan, tau
 from typing import TYPE_CHECKING
 
 from kousoku.model.angles import Angle
-from kousoku.model.elements.joints import leaves_of
+from kousoku.model.elements.joints import free_coordinates_of
 from kousoku.model.errors import SceneError
 from kousoku.model.linkage.input_drivers import time_of, travel_of
 from kousoku.model.linkage.input_motion import turns_of
@@ -118,15 +118,15 @@ def _refuse_angles(motion: Input, key: str) -> None:
 def _check_joint(scene: Scene, motion: Input, joint: str, key: str) -> None:
     """Check that a joint has one coordinate, which reaches its last value without reversing."""
     kind = scene.joints[joint].type
-    leaves = leaves_of(kind)
-    if len(leaves) != 1:
+    free = free_coordinates_of(kind)
+    if len(free) != 1:
         problem = (
             "leaves free no angle or displacement that is one number; wanted another joint"
-            if not leaves
-            else f"leaves free {in_words(leaves)}; wanted a driver with 'of'"
+            if not free
+            else f"leaves free {in_words(free)}; wanted a driver with 'of'"
         )
         raise SceneError(f"{joint} is {with_a(kind)} joint, which {problem}", key=f"{key}.joint")
-    if leaves[0] == "displacement":
+    if free[0] == "displacement":
         _refuse_angles(motion, key)
         if motion.turns is not None:
             raise SceneError(

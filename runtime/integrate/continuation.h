@@ -65,8 +65,8 @@ static void follow_design(double *y, double *w)
     for (size_t k = 0; k != STARTS; ++k) before[starts[k][0]] = w[W_DESIGN + starts[k][1]];
     if (HAS_DESIGN) setup(w);
     for (size_t k = 0; k != STARTS; ++k) after[starts[k][0]] = w[W_DESIGN + starts[k][1]];
-    for (size_t k = 0; STARTS != 0 && k != TURNS; ++k) {
-        const size_t first = turns[k][0], n = turns[k][2];
+    for (size_t k = 0; STARTS != 0 && k != ORIENTATIONS; ++k) {
+        const size_t first = orientations[k][0], n = orientations[k][2];
         if (!axes_jump(n, before + first, after + first)) continue;
         for (size_t i = first + 1; i != first + n; ++i) before[i] = -before[i];
         turned_by(n, before + first, y + first);

@@ -947,20 +947,20 @@ typedef struct {
     double low, high;           /* bounds of all cells */
     double reach, change;       /* sums of what bounds let it vary by, and of what rates may */
     double hidden, most_hidden; /* by how much bounds of cells exceed samples: sum, and largest */
-} Variation;
+} VariationBounds;
 
 /* how well samples tell how parts vary */
 enum { UNRESOLVED, COARSE, RESOLVED };
 
-static void begin_variation(double sample, Variation *v)
+static void begin_variation(double sample, VariationBounds *v)
 {
-    *v = (Variation){
+    *v = (VariationBounds){
         .last = sample, .least = sample, .most = sample, .low = sample, .high = sample
     };
 }
 
 /* adds a cell of length h: the sample at its end, and bounds of values and rates in it */
-static void add_cell(double h, double sample, const double *bounds, Variation *v)
+static void add_cell(double h, double sample, const double *bounds, VariationBounds *v)
 {
     const double width = bounds[1] - bounds[0], hidden = width - fabs(sample - v->last);
     v->least = smaller(sample, v->least);
@@ -979,7 +979,7 @@ static void add_cell(double h, double sample, const double *bounds, Variation *v
  * bounds are steady (STEADY) and no looser in one cell, where a hill may hide, than in the others
  * (UNEVEN); or, where formulas switch and an error is known, its value bounds exceed the samples by
  * little (SHOWN), as of a root, at whose end no rate is bounded */
-static int sampling_of(const Variation *v, double steady, int has_error, double nothing)
+static int sampling_of(const VariationBounds *v, double steady, int has_error, double nothing)
 {
     const double range = v->most - v->least;
     const int is_even = v->most_hidden <= UNEVEN * v->hidden + nothing;
@@ -993,7 +993,7 @@ static int sampling_of(const Variation *v, double steady, int has_error, double 
  * that is noted */
 static int are_narrow_resolved(double start, double end, Search *search, const State *s, Work *work)
 {
-    Variation variations[ROOM(N_NARROW)];
+    VariationBounds variations[ROOM(N_NARROW)];
     double band[ROOM(N_NARROW)];
     const double h = (end - start) / CELLS;
     int is_coarse = 0;

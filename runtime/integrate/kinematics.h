@@ -108,7 +108,7 @@ static double roughness(
         larger(NEGLIGIBLE_PREDICTION_ERROR, blur_of(work, s)), PREDICTION_ERROR_PART * way);
     double rough = larger(drift, size_of(change)) / known;
     /* no prediction tells how far drivers turn */
-    for (size_t k = COUNTED; FITS && k != COUNTED_END; ++k) {
+    for (size_t k = UNWRAPPED_ANGLES; HAS_JOINT_COORDINATES && k != UNWRAPPED_ANGLES_END; ++k) {
         const double turn = fabs(to.y[k] - from.y[k]) / MOST_TURN;
         rough = larger(rough, turn * turn);
     }
@@ -135,7 +135,7 @@ static int is_explained(double h, Position start, Position half, Position last)
 static double signed_ratio(const Work *work, const State *s)
 {
     const double ratio = branch_ratio(work, s);
-    return HAS_ROW_SWITCH && work->all.is_on != 0.0 ? -ratio : ratio;
+    return HAS_ROW_SWITCH && work->row_switch.is_active != 0.0 ? -ratio : ratio;
 }
 
 /* whether half a step of length h may leap over a singular configuration. Another branch lies
@@ -192,7 +192,7 @@ static int reach(double end, const Part *ways, size_t n, double weak, State *s, 
         ratio = there;
         *drift = larger(first, *drift);
     }
-    if (FITS && !is_leap && !is_explained(0.5 * h, start, half, last)) return 0;
+    if (HAS_JOINT_COORDINATES && !is_leap && !is_explained(0.5 * h, start, half, last)) return 0;
     for (size_t k = NQ - WORKS; k != NQ; ++k) {
         last.y[k] = start.y[k] + (is_leap ? h / 2.0 * (start.f[k] + last.f[k])
                                           : h / 6.0 * (start.f[k] + 4.0 * half.f[k] + last.f[k]));
@@ -200,10 +200,10 @@ static int reach(double end, const Part *ways, size_t n, double weak, State *s, 
     return 1;
 }
 
-/* whether a step to an end may lead onto another branch: LEAPS, STAYS or MEETS */
+/* whether a step to an end may lead onto another branch: BRANCH_LOST, ON_BRANCH or BIFURCATION */
 static int branch_at(double end, State *s, Work *work)
 {
-    if (!(HAS_REFINEMENT && s->is_near > 0.0)) return STAYS;
+    if (!(HAS_REFINEMENT && s->is_near > 0.0)) return ON_BRANCH;
     const Position last = position_at(1, work);
     const double first = sqrt(fabs(s->position_ratio)), after = sqrt(branch_ratio(work, s));
     const double part = meeting_part(first, after), h = end - s->time;
@@ -442,10 +442,10 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
         const int is_avoided = part < FURTHEST_TRIAL && !is_deep &&
                                ratio < WEAK_PIVOT_RATIO * s->largest_pivot_ratio;
         const int is_fit = good && error <= 1.0 && !is_avoided;
-        const int branch = is_fit ? branch_at(end, s, work) : STAYS;
+        const int branch = is_fit ? branch_at(end, s, work) : ON_BRANCH;
         /* onto another branch, or over what one can go through, as works want */
         const int is_leap = part > 1.0 &&
-                            (branch == LEAPS || (branch == STAYS && works.error > 1.0));
+                            (branch == BRANCH_LOST || (branch == ON_BRANCH && works.error > 1.0));
         if (is_avoided) {
             s->avoided += 1;
             part = part == 0.5 ? 1.25 : part <= 1.0 ? part - 0.25 : 1.25 * part;

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from .arithmetic import larger, smaller
-from .branches import LEAPS, STAYS, follow_branch, note_branch
+from .branches import BRANCH_LOST, ON_BRANCH, follow_branch, note_branch
 from .crossing import (
     FINEST,
     SMALLEST,
@@ -184,8 +184,8 @@ def roughness(
         larger(NEGLIGIBLE_PREDICTION_ERROR, blur_of(work, state)), PREDICTION_ERROR_PART * travel
     )
     rough = larger(drift, size_of(change)) / allowed
-    if scene.fits:  # no prediction tells how far drivers turn
-        counted = slice(*scene.counted)
+    if scene.has_joint_coordinates:  # no prediction tells how far drivers turn
+        counted = slice(*scene.unwrapped_angles)
         turn = float(np.max(np.abs(to.y[counted] - start.y[counted]), initial=0.0)) / MOST_TURN
         rough = larger(rough, turn * turn)
     return rough
@@ -209,7 +209,7 @@ def is_explained(h: float, start: Position, half: Position, last: Position, work
 def signed_ratio(work: Work, state: State) -> float:
     """Branch ratio, negative where all rows are solved for: these have another ratio."""
     ratio = branch_ratio(work, state)
-    return -ratio if work.all is not None and work.all.is_on else ratio
+    return -ratio if work.row_switch is not None and work.row_switch.is_active else ratio
 
 
 def may_leap(
@@ -277,7 +277,11 @@ def reach(
         if not is_leap and may_leap(span, ratio, ratio_there, to, state, work):
             return -1.0, rough
         passed, before, ratio, drift = x, to, ratio_there, larger(first, drift)
-    if work.scene.fits and not is_leap and not is_explained(0.5 * h, start, half, last, work):
+    if (
+        work.scene.has_joint_coordinates
+        and not is_leap
+        and not is_explained(0.5 * h, start, half, last, work)
+    ):
         return -1.0, rough
     works = slice(work.scene.nq - work.scene.works, work.scene.nq)
     if is_leap:
@@ -289,9 +293,9 @@ def reach(
 
 
 def branch_at(end: float, state: State, work: Work) -> int:
-    """Whether a step to an end may lead onto another branch: LEAPS, STAYS or MEETS."""
+    """Whether a step may lead onto another branch: BRANCH_LOST, ON_BRANCH or BIFURCATION."""
     if not (state.is_near > 0.0 and work.scene.has_refinement):
-        return STAYS
+        return ON_BRANCH
     last = position_at(1, work)
     first, after = math.sqrt(abs(state.position_ratio)), math.sqrt(branch_ratio(work, state))
     part, h = meeting_part(first, after), end - state.time
@@ -529,9 +533,11 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
             and ratio < WEAK_PIVOT_RATIO * state.largest_pivot_ratio
         )
         is_fit = is_good and error <= 1.0 and not is_avoided
-        branch = branch_at(end, state, work) if is_fit else STAYS
+        branch = branch_at(end, state, work) if is_fit else ON_BRANCH
         # onto another branch, or over what one can go through, as works want
-        is_leap = part > 1.0 and (branch == LEAPS or (branch == STAYS and works.error > 1.0))
+        is_leap = part > 1.0 and (
+            branch == BRANCH_LOST or (branch == ON_BRANCH and works.error > 1.0)
+        )
         if is_avoided:
             state.avoided += 1
             part = 1.25 if part == 0.5 else part - 0.25 if part <= 1.0 else 1.25 * part

@@ -41,9 +41,9 @@ enum {
 
 /* all rows of the constraints, where they take over: see row_switch.h */
 typedef struct {
-    double is_on; /* whether all rows were factorised */
-    double ratio; /* their pivot ratio */
-    double tried; /* that of the rows kept where all were no better, or 0 */
+    double is_active; /* whether all rows were factorised */
+    double ratio;     /* their pivot ratio */
+    double tried;     /* that of the rows kept where all were no better, or 0 */
     double rows[ROOM(ALL_ROWS)][ROOM(NV)];         /* C_q */
     double matrix[ROOM(ALL_ROWS)][ROOM(ALL_ROWS)]; /* C_q M^-1 C_q^T, then its factors */
     double order[ROOM(ALL_ROWS)];                  /* in which rows are solved for */
@@ -71,7 +71,7 @@ typedef struct {
     double scratch[ROOM(NY)], u[ROOM(NY)];
     double missed[ROOM(MISSED_ROWS)];                 /* at the end of a step, what they miss */
     double way[ROOM(HAS_REFINEMENT * WAY)][ROOM(NQ)]; /* that of a step: see branches.h */
-    RowSwitch all;
+    RowSwitch row_switch;
     Rank rank;
 } Work;
 

@@ -21,14 +21,14 @@ enum { MOST_REFINEMENTS = 4 };
 static void correct_position(Work *work)
 {
     double *w = work->w;
-    if (HAS_ROW_SWITCH && work->all.is_on != 0.0) solve_rows(w + W_C, work, w + W_DQ);
+    if (HAS_ROW_SWITCH && work->row_switch.is_active != 0.0) solve_rows(w + W_C, work, w + W_DQ);
     else position(w);
 }
 
 static void correct_velocity(Work *work)
 {
     double *w = work->w;
-    if (HAS_ROW_SWITCH && work->all.is_on != 0.0) {
+    if (HAS_ROW_SWITCH && work->row_switch.is_active != 0.0) {
         check(w);
         solve_rows(w + W_C_DOT, work, w + W_DV);
     } else {
@@ -57,7 +57,7 @@ static void refine(double *w)
  * this takes back */
 static void accelerate(Work *work, State *s)
 {
-    const int has_all = HAS_ROW_SWITCH && work->all.is_on != 0.0;
+    const int has_all = HAS_ROW_SWITCH && work->row_switch.is_active != 0.0;
     if (has_all) accelerate_all_rows(work);
     else acceleration(work->w);
     if (!HAS_REFINEMENT) return;
@@ -93,7 +93,7 @@ static void begin_refining(double *f, Work *work, State *s)
 static void note_lost_digits(Work *work, State *s)
 {
     double *w = work->w, *v_dot = w + W_V_DOT;
-    if (!HAS_REFINEMENT || (HAS_ROW_SWITCH && work->all.is_on != 0.0)) return;
+    if (!HAS_REFINEMENT || (HAS_ROW_SWITCH && work->row_switch.is_active != 0.0)) return;
     double lost = lost_part(w) / MOST_ACCELERATION_ERROR;
     if (!(lost > 1.0)) {
         for (size_t k = 0; k < NV; ++k) v_dot[k] = (double)(k * 5 % 7) - 3.0;
@@ -111,7 +111,7 @@ static void note_lost_digits(Work *work, State *s)
 static void check_digits(double *f, Work *work, State *s)
 {
     if (!HAS_REFINEMENT || s->is_refined != LOOKED_AT) return;
-    if (HAS_ROW_SWITCH && work->all.is_on != 0.0) return;
+    if (HAS_ROW_SWITCH && work->row_switch.is_active != 0.0) return;
     if (lost_part(work->w) > MOST_ACCELERATION_ERROR) begin_refining(f, work, s);
 }
 
@@ -158,7 +158,7 @@ static int project(
     const double first = project_position(enough, work, low, s);
     if (!(first >= 0.0)) return 0;
     if (drift) *drift = first;
-    if (NC > 0 || FITS) {
+    if (NC > 0 || HAS_JOINT_COORDINATES) {
         correct_velocity(work);
         for (size_t k = 0; k < NV; ++k) {
             const double v = w[W_V + k], dv = w[W_DV + k];
@@ -185,7 +185,7 @@ static int project(
 static void take_normal_part(double part, const double *v, Work *work, double *u)
 {
     double *w = work->w;
-    if (NC == 0 && !FITS) return;
+    if (NC == 0 && !HAS_JOINT_COORDINATES) return;
     const double factor = HAS_DRIVERS ? larger(1.0, size_of(v)) : 1.0;
     for (size_t k = 0; k < NV; ++k) w[W_V + k] = HAS_DRIVERS ? v[k] + factor * u[k] : u[k];
     correct_velocity(work);
@@ -196,10 +196,10 @@ static void take_normal_part(double part, const double *v, Work *work, double *u
 static void displacement_of(const double *q, const double *dq, double *u)
 {
     for (size_t k = 0; k != SHIFTS; ++k) u[shifts[k][1]] = dq[shifts[k][0]];
-    for (size_t k = 0; k != TURNS; ++k) {
-        const double *p = q + turns[k][0], *d = dq + turns[k][0];
-        double *theta = u + turns[k][1];
-        if (turns[k][2] == 2) { /* in a plane */
+    for (size_t k = 0; k != ORIENTATIONS; ++k) {
+        const double *p = q + orientations[k][0], *d = dq + orientations[k][0];
+        double *theta = u + orientations[k][1];
+        if (orientations[k][2] == 2) { /* in a plane */
             theta[0] = 2.0 * (p[0] * d[1] - p[1] * d[0]);
         } else { /* twice the vector part of the conjugate of p times dp */
             theta[0] = 2.0 * (p[0] * d[1] - p[1] * d[0] - p[2] * d[3] + p[3] * d[2]);

@@ -37,17 +37,17 @@ MOST_REFINEMENTS = 4
 
 def correct_position(work: Work) -> None:
     """Find the correction dq = −M⁻¹C_qᵀ (C_q M⁻¹C_qᵀ)⁻¹ C (nv,) [m, rad] of q."""
-    if work.all is not None and work.all.is_on:
-        solve_rows(work.w.all_C, work.all, work, work.w.dq)
+    if work.row_switch is not None and work.row_switch.is_active:
+        solve_rows(work.w.all_C, work.row_switch, work, work.w.dq)
     else:
         work.w.run("position")
 
 
 def correct_velocity(work: Work) -> None:
     """Find the correction dv = −M⁻¹C_qᵀ (C_q M⁻¹C_qᵀ)⁻¹ (C_q v − ν) (nv,) [m/s, rad/s] of v."""
-    if work.all is not None and work.all.is_on:
+    if work.row_switch is not None and work.row_switch.is_active:
         work.w.run("check")
-        solve_rows(work.w.C_dot, work.all, work, work.w.dv)
+        solve_rows(work.w.C_dot, work.row_switch, work, work.w.dv)
     else:
         work.w.run("velocity")
 
@@ -96,7 +96,7 @@ def note_lost_digits(work: Work, state: State) -> None:
     digits that are lost in addition. At rest, or without a load, nothing is lost yet: so any
     accelerations are brought onto the rows, too.
     """
-    if not work.scene.has_refinement or (work.all is not None and work.all.is_on):
+    if not work.scene.has_refinement or (work.row_switch is not None and work.row_switch.is_active):
         return
     w, nq = work.w, work.scene.nq
     lost = lost_part(work) / MOST_ACCELERATION_ERROR
@@ -118,7 +118,7 @@ def check_digits(f: Array, work: Work, state: State) -> None:
     """
     if not work.scene.has_refinement or state.is_refined != LOOKED_AT:
         return
-    if work.all is not None and work.all.is_on:
+    if work.row_switch is not None and work.row_switch.is_active:
         return
     if lost_part(work) > MOST_ACCELERATION_ERROR:
         begin_refining(f, work, state)
@@ -130,7 +130,9 @@ def accelerate(work: Work, state: State) -> None:
     M v̇ + C_qᵀλ = f and C_q v̇ = γ. Where many digits were lost, they are refined by the residual
     of the latter: S = C_q M⁻¹ C_qᵀ squares the condition of C_q, which this takes back.
     """
-    all_rows = work.all if work.all is not None and work.all.is_on else None
+    all_rows = (
+        work.row_switch if work.row_switch is not None and work.row_switch.is_active else None
+    )
     if all_rows is None:
         work.w.run("acceleration")
     else:
@@ -245,7 +247,7 @@ def project(
     first = project_position(tolerance, work, low, state)
     if not first >= 0.0:
         return -1.0
-    if work.scene.nc > 0 or work.scene.fits:
+    if work.scene.nc > 0 or work.scene.has_joint_coordinates:
         correct_velocity(work)
         v = w.v.copy()
         w.v[:] = v + w.dv
@@ -271,7 +273,7 @@ def take_normal_part(part: float, v: Array, work: Work, u: Array) -> None:
     is, so that it is not lost in the rounding of fast motions.
     """
     scene, w = work.scene, work.w
-    if scene.nc == 0 and not scene.fits:
+    if scene.nc == 0 and not scene.has_joint_coordinates:
         return
     factor = larger(1.0, w.size_of(v)) if scene.has_drivers else 1.0
     w.v[:] = v + factor * u if scene.has_drivers else u
@@ -282,7 +284,7 @@ def take_normal_part(part: float, v: Array, work: Work, u: Array) -> None:
 def displacement_of(scene: SceneTables, q: Array, dq: Array, u: Array) -> None:
     """Write the displacements u (nv,) [m, rad] that belong to a small change dq (nq,) of q."""
     u[scene.shifts[:, 1]] = dq[scene.shifts[:, 0]]
-    for index, turn, count in scene.turns.tolist():
+    for index, turn, count in scene.orientations.tolist():
         p, d = q[index : index + count].tolist(), dq[index : index + count].tolist()
         if count == 2:  # in a plane
             u[turn] = 2.0 * (p[0] * d[1] - p[1] * d[0])

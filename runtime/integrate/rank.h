@@ -25,8 +25,8 @@ static void write_scaled_rows(Work *work)
         by[k] = is_length[k] ? 1.0 : 0.0;
         for (size_t i = 0; i != RANK_ROWS; ++i) rank->rows[i][k] = w[W_C_DOT + rank_rows[i][0]];
     }
-    for (size_t t = 0; t != TURNS; ++t) {
-        const size_t first = turns[t][1], count = turns[t][2] == 4 ? 3 : 1;
+    for (size_t t = 0; t != ORIENTATIONS; ++t) {
+        const size_t first = orientations[t][1], count = orientations[t][2] == 4 ? 3 : 1;
         double arm = 0.0;
         for (size_t i = 0; i != RANK_ROWS; ++i) {
             if (!row_is_length[rank_rows[i][0]]) continue;

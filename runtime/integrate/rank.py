@@ -63,7 +63,7 @@ def write_scaled_rows(rank: Rank, work: Work) -> None:
         rank.rows[:, k] = w.C_dot[rank.places]
     by[:] = 0.0
     in_lengths = np.abs(rank.rows[rank.are_lengths])
-    for _, first, count in scene.turns.tolist():
+    for _, first, count in scene.orientations.tolist():
         columns = slice(first, first + (3 if count == 4 else 1))
         by[columns] = in_lengths[:, columns].max(initial=0.0)
     longest = float(by.max(initial=0.0))

@@ -69,7 +69,7 @@ static void note_not_finite(const double *row, size_t n, State *s)
  * many dependent rows share them out here, others in their own code */
 static void find_reactions(Work *work, int is_passed)
 {
-    const int has_all = HAS_REACTIONS && HAS_ROW_SWITCH && work->all.is_on != 0.0;
+    const int has_all = HAS_REACTIONS && HAS_ROW_SWITCH && work->row_switch.is_active != 0.0;
     if (SHARES_OUT && is_passed) {
         for (size_t k = 0; k != NCHECK; ++k) work->w[W_ALL_LAM + k] = (double)NAN;
         wrench(work->w);

@@ -102,8 +102,8 @@ class SceneSolver:
         if self.scene.has_switches or self.scene.has_laws:
             s.limit = s.behind = time
         s.crossed[:] = -math.inf
-        if work.all is not None:
-            note_usual_ratio(work.all, work, s)
+        if work.row_switch is not None:
+            note_usual_ratio(work.row_switch, work, s)
         if self.scene.has_continuation and not continue_parameters(s, work):
             return Status.NOT_ASSEMBLED
         if project(time, 0.0, s.y, s.low, s.f, work, s) < 0.0:

@@ -68,14 +68,14 @@ class SceneTables:
         added to.
     added : int
         How many those are.
-    turns : (n, 3) array
+    orientations : (n, 3) array
         Of each orientation: the place of its Euler parameters in q, of its turn in v, and how many
         parameters vary.
     works : int
         Entries at the end of q that are works [J].
-    counted : (int, int)
+    unwrapped_angles : (int, int)
         The first entry of q that counts turns, and the one behind the last.
-    fits : bool
+    has_joint_coordinates : bool
         Whether bodies are put onto joints with the ground.
     has_drivers : bool
         Whether constraints depend on time.
@@ -126,8 +126,8 @@ class SceneTables:
     parts: Sequence[str] = ()
     added: int = 0
     works: int = 0
-    counted: tuple[int, int] = (0, 0)
-    fits: bool = False
+    unwrapped_angles: tuple[int, int] = (0, 0)
+    has_joint_coordinates: bool = False
     has_drivers: bool = False
     has_misses: bool = False
     has_fractional_powers: bool = False
@@ -140,7 +140,7 @@ class SceneTables:
     inverse_masses: Array = field(init=False, repr=False)
     mass_places: Slots = field(init=False, repr=False)
     shifts: Slots = field(init=False, repr=False)
-    turns: Slots = field(init=False, repr=False)
+    orientations: Slots = field(init=False, repr=False)
     drivers: Slots = field(init=False, repr=False)
     starts: Slots = field(init=False, repr=False)
     positive: Slots = field(init=False, repr=False)
@@ -161,7 +161,14 @@ class SceneTables:
         }
         for name in ("parameters", "floors", "inverse_masses", "measure_sizes"):
             values[name] = np.array(numbers(tables[name]))
-        widths = {"shifts": 2, "turns": 3, "drivers": 2, "starts": 2, "events": 3, "rank_rows": 2}
+        widths = {
+            "shifts": 2,
+            "orientations": 3,
+            "drivers": 2,
+            "starts": 2,
+            "events": 3,
+            "rank_rows": 2,
+        }
         for name, width in widths.items():
             values[name] = places(tables[name], width)
         for name in ("feature_scales", "narrow_scales"):
@@ -202,7 +209,7 @@ class SceneTables:
     def is_driven(self) -> bool:
         """Whether drivers and joints leave no freedom."""
         # where bodies are put onto joints, the rows of these are checked only
-        rows = self.nc + (self.size("C_left_out") if self.fits else 0)
+        rows = self.nc + (self.size("C_left_out") if self.has_joint_coordinates else 0)
         return self.has_drivers and rows == self.nv
 
     @property
@@ -435,10 +442,10 @@ class Work:
         self.k = np.zeros((STAGES, scene.ny))
         self.y, self.low, self.scratch = np.zeros((3, scene.ny))
         self.missed = np.zeros(scene.has_misses * scene.size("C_left_out"))
-        self.all = RowMemory(scene) if scene.has_row_switch else None
+        self.row_switch = RowSwitch(scene) if scene.has_row_switch else None
 
 
-class RowMemory:
+class RowSwitch:
     """Rows of the constraints, all of them, where they take over: see ``row_switch``.
 
     Parameters
@@ -449,7 +456,7 @@ class RowMemory:
 
     def __init__(self, scene: SceneTables) -> None:
         count = scene.nc + scene.size("C_left_out")
-        self.is_on = False  # whether all rows were factorised
+        self.is_active = False  # whether all rows were factorised
         self.ratio = 0.0  # their pivot ratio
         self.tried = 0.0  # that of the rows kept where all were no better, or 0
         self.rows = np.zeros((count, scene.nv))  # C_q

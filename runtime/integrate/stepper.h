@@ -332,10 +332,10 @@ static double norm_error(const Method *m, double h, const State *s, Work *work)
     double *y = work->scratch, most = 0.0;
     combine(m->stages, m->a + m->stages * (m->stages - 1) / 2, s->low, h, work->k, y);
     add_to_start(s->y, y, NULL);
-    for (size_t k = 0; k != TURNS; ++k) {
-        const double *p = y + turns[k][0];
+    for (size_t k = 0; k != ORIENTATIONS; ++k) {
+        const double *p = y + orientations[k][0];
         double square = 0.0;
-        for (size_t i = 0; i != turns[k][2]; ++i) square += p[i] * p[i];
+        for (size_t i = 0; i != orientations[k][2]; ++i) square += p[i] * p[i];
         most = larger(most, fabs(sqrt(square) - 1.0));
     }
     return most;
@@ -494,19 +494,19 @@ static int is_short(double longest, Trial *trial, const State *s, const Work *wo
     return 0;
 }
 
-/* whether a step may end on another branch: LEAPS, STAYS or MEETS */
+/* whether a step may end on another branch: BRANCH_LOST, ON_BRANCH or BIFURCATION */
 static int branch_of(const Attempts *tried, Trial *trial, Work *work, State *s)
 {
-    if (!HAS_REFINEMENT) return STAYS;
+    if (!HAS_REFINEMENT) return ON_BRANCH;
     const double first = s->position_ratio, last = trial->end_ratio, most = usual_ratio(s);
-    if (!is_short(longest_way(tried, trial, s), trial, s, work)) return LEAPS;
+    if (!is_short(longest_way(tried, trial, s), trial, s, work)) return BRANCH_LOST;
     const int is_dip = trial->dip_ratio < DIPPED_RATIO_PART * smaller(first, last);
     double slope = 0.0, part = TRACKS_ROOTS ? sign_change(trial, &slope) : 0.0;
     const int is_falling = is_dip || slope > 0.0 || falls_to(FALLEN_RATIO_PART, trial, s);
-    if (!is_falling && !(smaller(first, last) < SMALL_RATIO_PART * most)) return STAYS;
+    if (!is_falling && !(smaller(first, last) < SMALL_RATIO_PART * most)) return ON_BRANCH;
     const double far = FAR_WAY_PART * sqrt(larger(first, last) / most);
-    if (!is_falling && !(way_of(trial->h, s->y, work->y) > far)) return STAYS;
-    if (!tried->is_fixed && !is_short(LONGEST_NEAR_BRANCHES, trial, s, work)) return LEAPS;
+    if (!is_falling && !(way_of(trial->h, s->y, work->y) > far)) return ON_BRANCH;
+    if (!tried->is_fixed && !is_short(LONGEST_NEAR_BRANCHES, trial, s, work)) return BRANCH_LOST;
     const double before = sqrt(first), after = sqrt(last), *f = work->k[tried->m->stages];
     if (!(slope > 0.0)) {
         part = is_dip ? dipping_part(before, after, trial) : meeting_part(before, after);
@@ -559,7 +559,7 @@ static void accept(const Attempts *tried, const Trial *trial, Work *work, State 
 /* a trial of the length that is to be tried next, no longer than to where the step ends at most */
 static Trial next_trial(Attempts *tried, const State *s)
 {
-    Trial trial = { .least_ratio = 1.0, .last_ratio = 1.0, .branch = STAYS };
+    Trial trial = { .least_ratio = 1.0, .last_ratio = 1.0, .branch = ON_BRANCH };
     trial.dip_ratio = HUGE_VAL;
     trial.h = smaller(s->step_size, tried->settings->largest_step);
     if (tried->is_fixed && tried->avoided == 0) trial.h = tried->settings->fixed_step;
@@ -710,7 +710,7 @@ static int is_tried(Attempts *tried, Trial *trial, Work *work, State *s)
     }
     if (trial->is_whole && is_kept(trial)) {
         trial->branch = branch_of(tried, trial, work, s);
-        if (trial->branch == LEAPS && !tried->is_fixed)
+        if (trial->branch == BRANCH_LOST && !tried->is_fixed)
             trial->is_whole = !(way_of(trial->h, s->y, work->y) > SHORTEST_BRANCH_WAY);
     }
     if (!trial->is_whole) trial->error = REFUSED_ERROR;

@@ -327,9 +327,9 @@ static int displace_by_rounding(double times, double *y, double *f, State *s, Wo
     const double part = times * SMALLEST, length = LENGTH * scale_by_distance(s->y);
     memcpy(y, s->y, NY * sizeof *y);
     for (size_t k = 0; k != SHIFTS; ++k) y[shifts[k][0]] += part * scattered(k) * length;
-    for (size_t k = 0; k != TURNS; ++k) {
-        for (size_t i = 0; i != turns[k][2]; ++i)
-            y[turns[k][0] + i] += part * scattered(turns[k][0] + i);
+    for (size_t k = 0; k != ORIENTATIONS; ++k) {
+        for (size_t i = 0; i != orientations[k][2]; ++i)
+            y[orientations[k][0] + i] += part * scattered(orientations[k][0] + i);
     }
     for (size_t k = 0; k != NV; ++k)
         y[NQ + k] += part * scattered(k) * (s->fastest * (is_length[k] ? LENGTH : 1.0));
@@ -462,7 +462,7 @@ static double even_end(double h, double end, const State *s)
  * steady: bounds that are loose beside a place where a quotient is 0/0 would lead steps there */
 static int sampling_in(double tolerance, double first, double last, double *w)
 {
-    Variation variations[ROOM(N_FEATURES)];
+    VariationBounds variations[ROOM(N_FEATURES)];
     const double h = (last - first) / PIECES, *features = w + W_FEATURES;
     int is_coarse = 0;
     bounds_between(first, first, w);

@@ -65,7 +65,7 @@ static double fastest_or_nothing(const State *s)
  * work. Where joints hold all that could move what energy there is is rounding */
 static void judge(const Settings *settings, const State *s, Verdict *verdict)
 {
-    enum { HELD = FITS ? NCHECK : NC, IS_FREE = HELD != NV };
+    enum { HELD = HAS_JOINT_COORDINATES ? NCHECK : NC, IS_FREE = HELD != NV };
     enum { KNOWS_ENERGY = IS_DRIVEN ? WORKS > 0 : IS_FREE };
     const double moved = s->energy_moved, many = HEALTHY * larger(1.0, s->steps / PER_STEPS);
     const double constraints = largest_residual(s, 0, HELD);

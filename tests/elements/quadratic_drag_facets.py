@@ -15,7 +15,11 @@ from tests.elements.quadratic_drag import Drag
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.dynamics.checking.newton_euler import BodyEquations, Course, Found
+    from kousoku.codegen.dynamics.checking.newton_euler import (
+        AppliedForces,
+        BodyMotion,
+        NewtonEulerEquations,
+    )
     from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
     from kousoku.codegen.dynamics.operations.jets import Jet
     from kousoku.codegen.dynamics.recording.matrix import Matrix
@@ -64,11 +68,11 @@ class DragFacets(ForceFacets[Drag]):
 
     def by_definition(
         self,
-        equations: BodyEquations,
-        courses: Mapping[int, Course],
+        equations: NewtonEulerEquations,
+        courses: Mapping[int, BodyMotion],
         names: Mapping[str, Jet],
         constants: Mapping[str, Sequence[Real]],
-        loads: Found,
+        loads: AppliedForces,
     ) -> tuple[Real, Real]:
         """Add −c |ṙ_P| ṙ_P at its point; return its power, and no energy."""
         (coefficient,), course = constants["coefficient"], courses[self.force.j]

@@ -152,12 +152,12 @@ def test_its_solver_is_verified_against_its_definition(tree: Tree, tmp_path: Pat
 def test_what_differs_from_its_definition_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    right = newton_euler.BodyEquations.apply_force
+    right = newton_euler.NewtonEulerEquations.apply_force
 
     def wrong(equations: Any, body: int, at: Any, arm: Any, force: Any, found: Any) -> None:
         right(equations, body, at, arm, [2 * x for x in force], found)
 
-    monkeypatch.setattr(newton_euler.BodyEquations, "apply_force", wrong)
+    monkeypatch.setattr(newton_euler.NewtonEulerEquations, "apply_force", wrong)
     report = verify(folder_of(scene_from_dict(swinging()), tmp_path), target="numpy")
     assert any("newton_euler" in problem for problem in report.problems)
 

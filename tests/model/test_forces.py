@@ -160,7 +160,7 @@ def test_a_spring_is_given_in_metres_and_principal_frames() -> None:
     assert given["stiffness"] == (40.0,)
     assert given["damping"] == (0.0,)
     assert given["free_length"] == pytest.approx((0.13,), abs=1e-15)
-    assert not spring.works
+    assert not spring.is_nonconservative
 
 
 def test_loads_are_given_in_newtons() -> None:
@@ -205,7 +205,7 @@ def test_components_that_are_formulas_stand_beside_their_directions() -> None:
     assert given["force"] == pytest.approx((2, 0, 0), abs=1e-15)
     assert given["force_y"] == pytest.approx((0, 1e-3, 0), abs=1e-15)
     assert force.formulas == (("force_y", "c*t"),)
-    assert force.works
+    assert force.is_nonconservative
 
 
 def test_a_spring_of_parameters_keeps_its_potential() -> None:
@@ -215,7 +215,7 @@ def test_a_spring_of_parameters_keeps_its_potential() -> None:
     assert constants["stiffness"] == (1.0,)
     assert constants["free_length"] == pytest.approx((1e-3,), abs=1e-18)
     assert spring.formulas == (("stiffness", "2*c"), ("free_length", "c"))
-    assert not spring.works
+    assert not spring.is_nonconservative
 
 
 def test_a_rotational_spring_is_free_at_the_angle_as_it_is_written_with_its_turns() -> None:
@@ -229,7 +229,7 @@ def test_a_rotational_spring_is_free_at_the_angle_as_it_is_written_with_its_turn
     assert given["free"] == pytest.approx((6.283185307179586,), rel=1e-15)
     assert spring.formulas == (("damping", "2*c"),)
     assert spring.has_potential
-    assert spring.works
+    assert spring.is_nonconservative
 
 
 def test_a_rotational_spring_takes_the_angle_that_is_meant() -> None:

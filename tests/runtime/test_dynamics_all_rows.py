@@ -223,12 +223,12 @@ def test_driver_is_solved_for_however_heavy_what_it_moves(folders: dict[str, Pat
     scene, slots = target.solver.scene, np.zeros(target.work_size)
     target.evaluate(0.0, solver.q, solver.v, scene.parameters, slots)
     work = Work(scene, slots)
-    assert work.all is not None
-    row_switch.write_jacobian(work.all, work)
+    assert work.row_switch is not None
+    row_switch.write_jacobian(work.row_switch, work)
     ((motor, _),) = scene.drivers
-    work.all.rows[motor] *= 1e-9
-    assert 0.0 < row_switch.factorise_rows(work.all, work, 0.0) < 1e-17
-    assert motor in work.all.order[: scene.nc]
+    work.row_switch.rows[motor] *= 1e-9
+    assert 0.0 < row_switch.factorise_rows(work.row_switch, work, 0.0) < 1e-17
+    assert motor in work.row_switch.order[: scene.nc]
 
 
 @pytest.mark.usefixtures("numpy_solver")

@@ -298,7 +298,7 @@ def run(case: str) -> Outcome:
 
 def unrefined() -> AbstractContextManager[object]:
     """Compose chains of uneven masses without the refinement of their accelerations."""
-    return patch.object(analyse, "is_uneven", lambda _: False)
+    return patch.object(analyse, "has_extreme_mass_ratio", lambda _: False)
 
 
 def single_masses() -> AbstractContextManager[object]:

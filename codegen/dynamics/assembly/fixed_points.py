@@ -17,7 +17,7 @@ DEPTH = 6
 SINGULAR = 1e-6
 
 
-class Accelerated:
+class AndersonAcceleration:
     """Anderson's acceleration of x ← g(x), in doubles or in 50 digits.
 
     Parameters

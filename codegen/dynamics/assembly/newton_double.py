@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kousoku.codegen.dynamics.assembly.block_factors import BlockFactors, Pattern
-from kousoku.codegen.dynamics.assembly.fixed_points import Accelerated
+from kousoku.codegen.dynamics.assembly.fixed_points import AndersonAcceleration
 from kousoku.codegen.dynamics.assembly.pose import Pose, normalised
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.model.numbers import precise
@@ -159,7 +159,7 @@ class GaussNewton:
         None where d ← W⁻¹ C_dᵀ λ with S λ = C_d d − C does not settle, C_d = C_q ∂q/∂d.
         """
         moved, d = pose, pose.since(start)
-        accelerated = Accelerated(1 / self._roots)
+        accelerated = AndersonAcceleration(1 / self._roots)
         for _ in range(MOST_DOUBLE_STEPS):
             nearest = self._projected(moved, d)
             size = self._weighted_norm(nearest - d)
@@ -181,7 +181,7 @@ class GaussNewton:
         projected = self._projected(pose, d)
         size = self._weighted_norm(change)
         scale = DIFFERENCE * self._size / (size or 1.0)
-        accelerated = Accelerated(1 / self._roots)
+        accelerated = AndersonAcceleration(1 / self._roots)
         x = change
         for _ in range(MOST_DOUBLE_STEPS):
             moved = DoublePose(start.r, start.p, pose.near).moved(d + scale * x)

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.codegen.dynamics.checking.newton_euler import (
-    BodyEquations,
     BodyState,
     ConstraintRow,
+    NewtonEulerEquations,
     quaternion_product,
     rotated,
     rotated_back,
@@ -28,7 +28,7 @@ from kousoku.model.operations.arithmetic import FLOAT
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from kousoku.codegen.dynamics.checking.newton_euler import Found
+    from kousoku.codegen.dynamics.checking.newton_euler import AppliedForces
     from kousoku.model.mechanics.multibody import System
     from kousoku.model.numbers.real import Array, Real
     from kousoku.model.operations.arithmetic import FormulaArithmetic
@@ -154,7 +154,7 @@ class _StateFinder:
     def __init__(self, solver: ComparedSolver) -> None:
         self.solver = solver
         self.bodies = solver.layout.bodies
-        self.equations = BodyEquations(solver.system, FLOAT)
+        self.equations = NewtonEulerEquations(solver.system, FLOAT)
         self.length = solver.layout.length
         shifts = {k for body in self.bodies for k in body.v if isinstance(k, int)}
         self.is_shift = np.array([k in shifts for k in range(len(solver.v))], dtype=bool)
@@ -333,9 +333,9 @@ class _Solution:
 
     def __init__(
         self,
-        equations: BodyEquations,
+        equations: NewtonEulerEquations,
         rows: Sequence[ConstraintRow],
-        loads: Found,
+        loads: AppliedForces,
         *,
         has_masses: bool,
     ) -> None:
@@ -401,7 +401,7 @@ def _point(
 ) -> dict[str, object]:
     """State with the results that a solver must have there."""
     label, time, q, v = state
-    equations = BodyEquations(solver.system, HIGH)
+    equations = NewtonEulerEquations(solver.system, HIGH)
     poses = finder.poses(q, v, HIGH)
     exact_time = HIGH.number(time)
     rows = equations.constraint_rows(poses, exact_time)
@@ -424,9 +424,9 @@ class _Values:
     def __init__(
         self,
         solver: ComparedSolver,
-        equations: BodyEquations,
+        equations: NewtonEulerEquations,
         poses: Sequence[BodyState],
-        loads: Found,
+        loads: AppliedForces,
         solution: _Solution,
     ) -> None:
         self.solver, self.equations, self.poses = solver, equations, poses

@@ -91,7 +91,7 @@ def rotated_back(p: Sequence[Any], a: Sequence[Any]) -> tuple[Any, Any, Any]:
     return rotated((p[0], -p[1], -p[2], -p[3]), a)
 
 
-class Course:
+class BodyMotion:
     """Motion of a body: r(t) and p(t) to second order, ṗ = ½ p ∘ (0, ω′), lecture 7.1, (5.16).
 
     Parameters
@@ -104,8 +104,8 @@ class Course:
         self.r, self.p = r, p
 
     @classmethod
-    def of(cls, pose: BodyState, rates: Sequence[Real], v_dot: Sequence[Real]) -> Course:
-        """Course of a body with v, ω′ and v̇, ω̇′; p̈ = ½ (ṗ ∘ (0, ω′) + p ∘ (0, ω̇′)).
+    def of(cls, pose: BodyState, rates: Sequence[Real], v_dot: Sequence[Real]) -> BodyMotion:
+        """Motion of a body with v, ω′ and v̇, ω̇′; p̈ = ½ (ṗ ∘ (0, ω′) + p ∘ (0, ω̇′)).
 
         Parameters
         ----------
@@ -124,10 +124,10 @@ class Course:
             r, [Jet(x, d, (a + b) / 2) for x, d, (a, b) in zip(pose.p, p_dot, terms, strict=True)]
         )
 
-    def with_rates(self, rates: Sequence[Real]) -> Course:
-        """Course through the same pose at other, constant v [m/s] and ω′ [rad/s], (6,)."""
+    def with_rates(self, rates: Sequence[Real]) -> BodyMotion:
+        """Motion through the same pose at other, constant v [m/s] and ω′ [rad/s], (6,)."""
         pose = BodyState([x.x for x in self.r], [x.x for x in self.p], (), ())
-        return Course.of(pose, rates, [0] * 6)
+        return BodyMotion.of(pose, rates, [0] * 6)
 
     def vector(self, a: Sequence[Real]) -> JetVector:
         """Vector A a′ (3,) in frame O, of a′ (3,) in the principal frame, in its unit."""
@@ -140,7 +140,7 @@ class Course:
 
 
 @dataclass(slots=True)
-class Found:
+class AppliedForces:
     """Forces at a state: f of M v̇ + C_qᵀλ = f.
 
     Parameters
@@ -189,7 +189,7 @@ class ConstraintRow:
     jacobian: dict[int, Real]
 
 
-class BodyEquations:
+class NewtonEulerEquations:
     """The equations of all bodies of an unsimplified system: M v̇ + C_qᵀλ = f, C_q v̇ = γ.
 
     Columns (n,) are δr [m] in frame O and δθ′ [rad] in the principal frame of each body, rows f [N]
@@ -211,7 +211,7 @@ class BodyEquations:
         sizes = (3 if body.is_point else 6 for body in self.bodies)
         self._first_columns = [*accumulate(sizes, initial=0)]
         self.count = self._first_columns[-1]
-        self._ground = Course([self._jet(0)] * 3, [self._jet(x) for x in (1, 0, 0, 0)])
+        self._ground = BodyMotion([self._jet(0)] * 3, [self._jet(x) for x in (1, 0, 0, 0)])
         self._formulas: dict[tuple[str, tuple[str, ...]], Expression] = {}
 
     def _jet(self, x: float) -> Jet:
@@ -240,13 +240,13 @@ class BodyEquations:
 
     def course(
         self, body: int, pose: BodyState, rates: Sequence[Real], v_dot: Sequence[Real]
-    ) -> Course:
-        """Course of a body, from v (n,) and v̇ (n,) of all."""
+    ) -> BodyMotion:
+        """Motion of a body, from v (n,) and v̇ (n,) of all."""
         columns = self.columns_of(body)
         local = [
             [values[k] for k in columns] + [0] * (6 - len(columns)) for values in (rates, v_dot)
         ]
-        return Course.of(pose, *local)
+        return BodyMotion.of(pose, *local)
 
     def courses(
         self,
@@ -254,7 +254,7 @@ class BodyEquations:
         poses: Sequence[BodyState],
         rates: Sequence[Real],
         v_dot: Sequence[Real],
-    ) -> dict[int, Course]:
+    ) -> dict[int, BodyMotion]:
         """Courses of some bodies and of the ground, from v (n,) and v̇ (n,) of all."""
         moving = [k for k in bodies if k != GROUND_INDEX]
         courses = {k: self.course(k, poses[k], rates, v_dot) for k in moving}
@@ -262,7 +262,7 @@ class BodyEquations:
 
     # Coordinates.
 
-    def coordinate(self, index: int, courses: Mapping[int, Course]) -> Jet:
+    def coordinate(self, index: int, courses: Mapping[int, BodyMotion]) -> Jet:
         """Value u [m, rad or -]: an angle with its turns, a displacement, a distance, a cosine."""
         coordinate = self.system.coordinates[index]
         constants = {name: self._numbers(values) for name, values in coordinate.constants}
@@ -275,7 +275,7 @@ class BodyEquations:
         return value + Jet(turn * count)
 
     def _residuals(
-        self, instance: Instance, courses: Mapping[int, Course], time: Real
+        self, instance: Instance, courses: Mapping[int, BodyMotion], time: Real
     ) -> Sequence[Jet]:
         """Residuals C of a joint or driver, zero where it holds."""
         constants = {name: self._numbers(values) for name, values in instance.constants}
@@ -293,7 +293,9 @@ class BodyEquations:
         kind = facets_of_kind(instance.kind)
         return kind.residuals(courses[instance.i], courses[instance.j], constants, self.digits)
 
-    def _user_residuals(self, instance: Instance, courses: Mapping[int, Course]) -> Sequence[Jet]:
+    def _user_residuals(
+        self, instance: Instance, courses: Mapping[int, BodyMotion]
+    ) -> Sequence[Jet]:
         """Residuals C of a kind of one's own, which its kernel ``constraint`` defines.
 
         The kernel takes the frames that the kind is stated in. C_q, ν and γ follow from C here,
@@ -343,7 +345,9 @@ class BodyEquations:
             rows += instance_rows
         return rows
 
-    def each_column(self, courses: Mapping[int, Course]) -> Iterator[tuple[int, dict[int, Course]]]:
+    def each_column(
+        self, courses: Mapping[int, BodyMotion]
+    ) -> Iterator[tuple[int, dict[int, BodyMotion]]]:
         """Columns of the bodies, each with the courses where its velocity is one, others zero."""
         zeros = [self.digits.number(0)] * 6
         resting = {body: course.with_rates(zeros) for body, course in courses.items()}
@@ -354,10 +358,10 @@ class BodyEquations:
 
     # The forces.
 
-    def loads(self, poses: Sequence[BodyState], time: Real) -> Found:
+    def loads(self, poses: Sequence[BodyState], time: Real) -> AppliedForces:
         """Forces f (n,), applied less velocity forces ω̃′I′ω′, and the energies [J]."""
         rates, zeros = self.rates(poses), [self.digits.number(0)] * self.count
-        loads = Found([*zeros], time=time)
+        loads = AppliedForces([*zeros], time=time)
         courses = self.courses(range(len(poses)), poses, rates, zeros)
         gravity = self._gravity()
         for k, (body, pose) in enumerate(zip(self.bodies, poses, strict=True)):
@@ -380,7 +384,7 @@ class BodyEquations:
         pose: BodyState,
         gravity: Sequence[Real],
         columns: range,
-        loads: Found,
+        loads: AppliedForces,
     ) -> None:
         """Add weight, −ω̃′ I′ ω′ and the energies of a body: ½ m v·v + ½ ω′·I′ω′ and −m g·r."""
         mass = self.digits.number(body.mass)
@@ -402,15 +406,15 @@ class BodyEquations:
     def _add_force(
         self,
         force: ForceElement,
-        courses: Mapping[int, Course],
+        courses: Mapping[int, BodyMotion],
         time: Real,
-        loads: Found,
+        loads: AppliedForces,
     ) -> None:
         """Add a force, its power, and its potential energy."""
         names = self._formula_names(courses, time)
         constants = self._constants(force, names)
         power, energy = facets_of(force).by_definition(self, courses, names, constants, loads)
-        if force.works:
+        if force.is_nonconservative:
             loads.powers[force.name] = loads.powers.get(force.name, 0) + power
         if force.has_potential:
             loads.potential += energy
@@ -428,7 +432,7 @@ class BodyEquations:
         }
 
     def elongation(
-        self, force: ForceElement, courses: Mapping[int, Course], time: Real, *, is_length: bool
+        self, force: ForceElement, courses: Mapping[int, BodyMotion], time: Real, *, is_length: bool
     ) -> Jet:
         """Elongation that a spring's law takes, or the distance of its ends; in its unit."""
         constants = self._constants(force, self._formula_names(courses, time))
@@ -438,7 +442,7 @@ class BodyEquations:
         (unit,) = constants.get("unit", self._numbers((1,)))
         return value.times(1 / unit)
 
-    def _formula_names(self, courses: Mapping[int, Course], time: Real) -> dict[str, Jet]:
+    def _formula_names(self, courses: Mapping[int, BodyMotion], time: Real) -> dict[str, Jet]:
         """Values of the names that formulas may use, in the unit of the scene."""
         names = {TIME: Jet(time, self.digits.number(1))}
         for index, coordinate in enumerate(self.system.coordinates):
@@ -449,7 +453,12 @@ class BodyEquations:
         return names
 
     def apply_force(
-        self, body: int, course: Course, arm: Sequence[Real], force: Sequence[Real], loads: Found
+        self,
+        body: int,
+        course: BodyMotion,
+        arm: Sequence[Real],
+        force: Sequence[Real],
+        loads: AppliedForces,
     ) -> None:
         """Add a force F (3,) [N] in frame O that acts on a point s′ (3,) [m]: F, and s′ × AᵀF."""
         if body == GROUND_INDEX:
@@ -459,7 +468,9 @@ class BodyEquations:
         for k, x in zip(columns, (*force, *torque), strict=False):
             loads.force[k] += x
 
-    def apply_torque(self, body: int, course: Course, torque: Sequence[Real], loads: Found) -> Real:
+    def apply_torque(
+        self, body: int, course: BodyMotion, torque: Sequence[Real], loads: AppliedForces
+    ) -> Real:
         """Add a torque N (3,) [N m] in frame O that acts on a body, AᵀN; return its power N·ω."""
         p = [x.x for x in course.p]
         columns = self.columns_of(body)[3:] if body != GROUND_INDEX else range(0)
@@ -473,7 +484,7 @@ class BodyEquations:
     # Accelerations and momenta.
 
     def origins(
-        self, courses: Mapping[int, Course], v_dot: Sequence[Real]
+        self, courses: Mapping[int, BodyMotion], v_dot: Sequence[Real]
     ) -> Iterator[tuple[list[Real], tuple[Real, ...]]]:
         """Accelerations r̈ (3,) [m/s²], frame O, of the origins of the body frames, and dω′/dt.
 

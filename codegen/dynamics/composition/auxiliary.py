@@ -37,7 +37,7 @@ WORK = "work"
 def entries_of(system: System) -> tuple[Auxiliary, ...]:
     """Entries that a system needs, in their order."""
     turns = (angle for angle in system.coordinates if angle.counts_turns)
-    working = dict.fromkeys(force.name for force in system.forces if force.works)
+    working = dict.fromkeys(force.name for force in system.forces if force.is_nonconservative)
     working |= dict.fromkeys(drivers_of(system))
     return (
         *(Auxiliary(TURNS, angle.name, CoordinatePlace(-1, angle.near)) for angle in turns),

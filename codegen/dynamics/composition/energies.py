@@ -49,6 +49,6 @@ def record_energies(
     for force in system.forces:
         if force.has_potential:
             shares.append(facets_of(force).energy(forces))
-    if system.resting:
-        shares.append(recorder.constant((0, system.resting)))
+    if system.static_potential:
+        shares.append(recorder.constant((0, system.static_potential)))
     summed(recorder, shares, target)

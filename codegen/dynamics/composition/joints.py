@@ -7,7 +7,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.operations.mechanics import InstanceRows, inputs_of
-from kousoku.codegen.dynamics.recording.program import ConstraintEquation
+from kousoku.codegen.dynamics.recording.program import RowIndex
 from kousoku.codegen.dynamics.recording.recorder import SlotMatrix, column
 
 if TYPE_CHECKING:
@@ -130,10 +130,10 @@ def joints_of(
     return joints
 
 
-def rows_of(joints: Iterable[JointBlocks]) -> tuple[ConstraintEquation, ...]:
+def rows_of(joints: Iterable[JointBlocks]) -> tuple[RowIndex, ...]:
     """Rows of joints in their order."""
     return tuple(
-        ConstraintEquation(joint.name, instance, row)
+        RowIndex(joint.name, instance, row)
         for joint in joints
         for instance, part in zip(joint.instances, joint.parts, strict=True)
         for row in part.rows

@@ -68,7 +68,7 @@ class ForceRecorder:
         blocks = facets_of(force).effect(self)
         ends = zip((force.i, force.j), blocks, strict=False)
         accelerations = {index: block for index, block in ends if index != GROUND_INDEX}
-        return accelerations, blocks[2] if force.works else None
+        return accelerations, blocks[2] if force.is_nonconservative else None
 
     def act(self, forces: Sequence[ForceElement], free: list[SlotMatrix]) -> dict[str, SlotMatrix]:
         """Add M⁻¹f of forces to accelerations; return the power of those that work, by name.

@@ -79,7 +79,7 @@ class Enclosed:
         substituted, quotients = without_quotients(formula, spans)
         spans = dict(spans)
         for k, quotient in enumerate(quotients):
-            parts = quotient.whole, quotient.place
+            parts = quotient.formula, quotient.vanishing_argument
             rate, speed = (self._rate(part, quotients[:k]) for part in parts)
             spans |= quotient.bounds(rate, speed, spans)
         yield from enclosure(substituted, spans)

@@ -12,7 +12,11 @@ from kousoku.model.elements.along import CoordinateForce
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.dynamics.checking.newton_euler import BodyEquations, Course, Found
+    from kousoku.codegen.dynamics.checking.newton_euler import (
+        AppliedForces,
+        BodyMotion,
+        NewtonEulerEquations,
+    )
     from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
     from kousoku.codegen.dynamics.elements.facets import Source
     from kousoku.codegen.dynamics.operations.jets import Jet
@@ -75,7 +79,11 @@ class OnCoordinate(ForceFacets[E]):
         return system.coordinates[self.force.coordinate]
 
     def add(
-        self, equations: BodyEquations, courses: Mapping[int, Course], tau: Real, loads: Found
+        self,
+        equations: NewtonEulerEquations,
+        courses: Mapping[int, BodyMotion],
+        tau: Real,
+        loads: AppliedForces,
     ) -> None:
         """Add Jᵀτ: an entry of J is u̇ where that velocity alone is one."""
         ends = {body: courses[body] for body in (self.force.i, self.force.j)}
@@ -94,11 +102,11 @@ class AlongFacets(OnCoordinate[CoordinateForce]):
 
     def by_definition(
         self,
-        equations: BodyEquations,
-        courses: Mapping[int, Course],
+        equations: NewtonEulerEquations,
+        courses: Mapping[int, BodyMotion],
         names: Mapping[str, Jet],
         constants: Mapping[str, Sequence[Real]],
-        loads: Found,
+        loads: AppliedForces,
     ) -> tuple[Real, Real]:
         """Add Jᵀτ; return τ u̇, and no energy."""
         (tau,) = constants["force"]

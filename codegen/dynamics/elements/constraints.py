@@ -20,7 +20,7 @@ from kousoku.model.numbers.digits import CONTEXT
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.dynamics.checking.newton_euler import Course
+    from kousoku.codegen.dynamics.checking.newton_euler import BodyMotion
     from kousoku.codegen.dynamics.operations.jets import JetVector
     from kousoku.model.mechanics.multibody import RelativeCoordinate, System
     from kousoku.model.numbers.precise import Triple
@@ -107,12 +107,14 @@ class ConstraintFacets(ABC):
     measures: ClassVar[RelativeMotion | None] = None
 
     @abstractmethod
-    def residuals(self, i: Course, j: Course, inputs: Inputs, digits: Digits) -> Sequence[Jet]:
+    def residuals(
+        self, i: BodyMotion, j: BodyMotion, inputs: Inputs, digits: Digits
+    ) -> Sequence[Jet]:
         """Residuals (m,), zero where it holds, or the value of the coordinate, of moving bodies.
 
         Parameters
         ----------
-        i, j : Course
+        i, j : BodyMotion
             Courses of the bodies.
         inputs : mapping of str to sequence of number
             Its inputs: axes (3,) and points (3,) [m] in the principal frames, a length [m].
@@ -172,7 +174,9 @@ class PointFacets(OfPoints):
 
     holds = frozenset({RelativeMotion.SLIDE, RelativeMotion.SHIFT})
 
-    def residuals(self, i: Course, j: Course, inputs: Inputs, digits: Digits) -> Sequence[Jet]:
+    def residuals(
+        self, i: BodyMotion, j: BodyMotion, inputs: Inputs, digits: Digits
+    ) -> Sequence[Jet]:
         """Vector d = r_j + A_j s′_j − r_i − A_i s′_i (3,) [m]."""
         return _across(i, j, inputs)
 
@@ -184,7 +188,9 @@ class PointFacets(OfPoints):
 class LengthFacets(OfPoints):
     """The distance of two points, |d| (1,) [m]."""
 
-    def residuals(self, i: Course, j: Course, inputs: Inputs, digits: Digits) -> Sequence[Jet]:
+    def residuals(
+        self, i: BodyMotion, j: BodyMotion, inputs: Inputs, digits: Digits
+    ) -> Sequence[Jet]:
         """Length |d| [m]."""
         d = _across(i, j, inputs)
         return (sqrt(dot(d, d), digits),)
@@ -197,7 +203,9 @@ class LengthFacets(OfPoints):
 class DistanceFacets(LengthFacets):
     """Two points at a given distance: |d| = l (1,) [m]."""
 
-    def residuals(self, i: Course, j: Course, inputs: Inputs, digits: Digits) -> Sequence[Jet]:
+    def residuals(
+        self, i: BodyMotion, j: BodyMotion, inputs: Inputs, digits: Digits
+    ) -> Sequence[Jet]:
         """Residual |d| − l [m]."""
         (distance,), (length,) = super().residuals(i, j, inputs, digits), inputs["length"]
         return (distance - Jet(length),)
@@ -223,7 +231,9 @@ class PerpendicularFacets(OfAxes):
 
     holds = frozenset({RelativeMotion.SPIN})
 
-    def residuals(self, i: Course, j: Course, inputs: Inputs, digits: Digits) -> Sequence[Jet]:
+    def residuals(
+        self, i: BodyMotion, j: BodyMotion, inputs: Inputs, digits: Digits
+    ) -> Sequence[Jet]:
         """Product a_i · a_j (1,) [-]."""
         return (dot(i.vector(inputs["a_i_b"]), j.vector(inputs["a_j_b"])),)
 
@@ -247,7 +257,9 @@ class ParallelFacets(OfAxes):
 
     holds = frozenset({RelativeMotion.TILT})
 
-    def residuals(self, i: Course, j: Course, inputs: Inputs, digits: Digits) -> Sequence[Jet]:
+    def residuals(
+        self, i: BodyMotion, j: BodyMotion, inputs: Inputs, digits: Digits
+    ) -> Sequence[Jet]:
         """Product a_i × a_j (3,) [-]."""
         return cross(i.vector(inputs["a_i_b"]), j.vector(inputs["a_j_b"]))
 
@@ -261,7 +273,9 @@ class AngleFacets(ConstraintFacets):
 
     measures = RelativeMotion.SPIN
 
-    def residuals(self, i: Course, j: Course, inputs: Inputs, digits: Digits) -> Sequence[Jet]:
+    def residuals(
+        self, i: BodyMotion, j: BodyMotion, inputs: Inputs, digits: Digits
+    ) -> Sequence[Jet]:
         """Angle atan2(b_i · a_j, a_i · a_j) (1,) [rad]."""
         a_j = j.vector(inputs["a_j_b"])
         sine, cosine = (dot(i.vector(inputs[name]), a_j) for name in ("b_i_b", "a_i_b"))
@@ -285,7 +299,9 @@ class InPlaneFacets(ConstraintFacets):
 
     measures = RelativeMotion.SLIDE
 
-    def residuals(self, i: Course, j: Course, inputs: Inputs, digits: Digits) -> Sequence[Jet]:
+    def residuals(
+        self, i: BodyMotion, j: BodyMotion, inputs: Inputs, digits: Digits
+    ) -> Sequence[Jet]:
         """Product a_i · d (1,) [m]."""
         return (dot(i.vector(inputs["a_i_b"]), _across(i, j, inputs)),)
 
@@ -316,7 +332,9 @@ class OnLineFacets(ConstraintFacets):
 
     holds = frozenset({RelativeMotion.SHIFT})
 
-    def residuals(self, i: Course, j: Course, inputs: Inputs, digits: Digits) -> Sequence[Jet]:
+    def residuals(
+        self, i: BodyMotion, j: BodyMotion, inputs: Inputs, digits: Digits
+    ) -> Sequence[Jet]:
         """Product a_i × d (3,) [m]."""
         return cross(i.vector(inputs["a_i_b"]), _across(i, j, inputs))
 
@@ -331,7 +349,7 @@ class OnLineFacets(ConstraintFacets):
         return GroundReaction(line=(precise.unit(axis), point))
 
 
-def _across(i: Course, j: Course, inputs: Inputs) -> JetVector:
+def _across(i: BodyMotion, j: BodyMotion, inputs: Inputs) -> JetVector:
     """Vector d, from the point of body i to that of body j [m]."""
     start, end = i.point(inputs["s_i_b"]), j.point(inputs["s_j_b"])
     return end[0] - start[0], end[1] - start[1], end[2] - start[2]

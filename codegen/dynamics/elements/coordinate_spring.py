@@ -19,7 +19,11 @@ from kousoku.model.elements.coordinate_spring import CoordinateSpring
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.dynamics.checking.newton_euler import BodyEquations, Course, Found
+    from kousoku.codegen.dynamics.checking.newton_euler import (
+        AppliedForces,
+        BodyMotion,
+        NewtonEulerEquations,
+    )
     from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
     from kousoku.codegen.dynamics.recording.matrix import Matrix
     from kousoku.codegen.dynamics.recording.recorder import SlotMatrix
@@ -95,7 +99,7 @@ class CoordinateSpringFacets(OnCoordinate[CoordinateSpring]):
         ends = self.jacobians(tasks)
         rate = self.rate(tasks)
         names, arguments = tasks.law(self.force)
-        operation = CoordinateSpringEffect(self.force.law, names, self.force.works)
+        operation = CoordinateSpringEffect(self.force.law, names, self.force.is_nonconservative)
         value = tasks.coordinates.value(self.force.coordinate)
         return tasks.recorder.call(operation, *ends, value, rate, *constants, *arguments)
 
@@ -131,8 +135,8 @@ class CoordinateSpringFacets(OnCoordinate[CoordinateSpring]):
 
     def length_by_definition(
         self,
-        equations: BodyEquations,
-        courses: Mapping[int, Course],
+        equations: NewtonEulerEquations,
+        courses: Mapping[int, BodyMotion],
         constants: Mapping[str, Sequence[Real]],
     ) -> tuple[Jet, Real]:
         """Value u of the coordinate, and u⁰, in rad or m."""
@@ -140,11 +144,11 @@ class CoordinateSpringFacets(OnCoordinate[CoordinateSpring]):
 
     def by_definition(
         self,
-        equations: BodyEquations,
-        courses: Mapping[int, Course],
+        equations: NewtonEulerEquations,
+        courses: Mapping[int, BodyMotion],
         names: Mapping[str, Jet],
         constants: Mapping[str, Sequence[Real]],
-        loads: Found,
+        loads: AppliedForces,
     ) -> tuple[Real, Real]:
         """Add Jᵀτ; return the power without potential energy, and ½ k (u − u⁰)²."""
         force = self.force

@@ -13,7 +13,11 @@ from kousoku.model.numbers import precise
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.dynamics.checking.newton_euler import BodyEquations, Course, Found
+    from kousoku.codegen.dynamics.checking.newton_euler import (
+        AppliedForces,
+        BodyMotion,
+        NewtonEulerEquations,
+    )
     from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
     from kousoku.codegen.dynamics.operations.jets import Jet
     from kousoku.codegen.dynamics.operations.placement import Placement
@@ -72,9 +76,9 @@ class ForceFacets(ABC, Generic[E]):
     def effect(self, tasks: ForceRecorder) -> tuple[SlotMatrix, ...]:
         """M⁻¹f (c, 1) [m/s², rad/s²] of body i and of body j, then the power (1, 1) [W], recorded.
 
-        The power is that of the part without potential energy; it may be missing where nothing
-        :attr:`~kousoku.model.mechanics.multibody.ForceElement.works`. The share of the ground is
-        ignored.
+        The power is that of the part without potential energy; it may be missing where no force is
+        nonconservative, see :class:`~kousoku.model.mechanics.multibody.ForceElement`. The share of
+        the ground is ignored.
         """
 
     def energy(self, tasks: ForceRecorder) -> SlotMatrix:
@@ -127,8 +131,8 @@ class ForceFacets(ABC, Generic[E]):
 
     def length_by_definition(
         self,
-        equations: BodyEquations,
-        courses: Mapping[int, Course],
+        equations: NewtonEulerEquations,
+        courses: Mapping[int, BodyMotion],
         constants: Mapping[str, Sequence[Real]],
     ) -> tuple[Jet, Real]:
         """Value of its law's argument along a motion, by geometry, and the free value.
@@ -141,11 +145,11 @@ class ForceFacets(ABC, Generic[E]):
     @abstractmethod
     def by_definition(
         self,
-        equations: BodyEquations,
-        courses: Mapping[int, Course],
+        equations: NewtonEulerEquations,
+        courses: Mapping[int, BodyMotion],
         names: Mapping[str, Jet],
         constants: Mapping[str, Sequence[Real]],
-        loads: Found,
+        loads: AppliedForces,
     ) -> tuple[Real, Real]:
         """Add f to the equations M v̇ = f of each body; return the power and the potential energy.
 
@@ -154,15 +158,15 @@ class ForceFacets(ABC, Generic[E]):
 
         Parameters
         ----------
-        equations : BodyEquations
+        equations : NewtonEulerEquations
             Equations of the bodies, with ``apply_force`` and ``apply_torque``.
-        courses : mapping of int to Course
+        courses : mapping of int to BodyMotion
             Courses of the bodies, by their indices; of the ground, too.
         names : mapping of str to Jet
             Values that formulas may name.
         constants : mapping of str to sequence of number
             Its constants, those that have a formula multiplied by it: points (3,) [m] in the
             principal frames, vectors in theirs.
-        loads : Found
+        loads : AppliedForces
             Forces at the state, to which f is added.
         """

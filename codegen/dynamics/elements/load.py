@@ -17,7 +17,11 @@ from kousoku.model.numbers import precise
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.dynamics.checking.newton_euler import BodyEquations, Course, Found
+    from kousoku.codegen.dynamics.checking.newton_euler import (
+        AppliedForces,
+        BodyMotion,
+        NewtonEulerEquations,
+    )
     from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
     from kousoku.codegen.dynamics.operations.jets import Jet
     from kousoku.codegen.dynamics.operations.placement import Placement
@@ -108,7 +112,7 @@ class LoadFacets(ForceFacets[Load]):
         """M⁻¹f of body j, and the power, recorded."""
         j = tasks.body(self.force.j)
         blocks = (j.p, j.orientation, j.v_r, j.omega_b, j.inverse_mass)
-        operation = LoadEffect(self.force.kind, j.columns, self.force.works)
+        operation = LoadEffect(self.force.kind, j.columns, self.force.is_nonconservative)
         constants = tasks.constants(self.force)
         return (column(()), *tasks.recorder.call(operation, *blocks, *constants))
 
@@ -145,11 +149,11 @@ class LoadFacets(ForceFacets[Load]):
 
     def by_definition(
         self,
-        equations: BodyEquations,
-        courses: Mapping[int, Course],
+        equations: NewtonEulerEquations,
+        courses: Mapping[int, BodyMotion],
         names: Mapping[str, Jet],
         constants: Mapping[str, Sequence[Real]],
-        loads: Found,
+        loads: AppliedForces,
     ) -> tuple[Real, Real]:
         """Add F at its point, or N; return F·ṙ_P or N·ω, and −F·r_P of its point."""
         force = self.force

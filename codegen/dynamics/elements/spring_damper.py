@@ -18,7 +18,11 @@ from kousoku.model.numbers import precise
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.dynamics.checking.newton_euler import BodyEquations, Course, Found
+    from kousoku.codegen.dynamics.checking.newton_euler import (
+        AppliedForces,
+        BodyMotion,
+        NewtonEulerEquations,
+    )
     from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
     from kousoku.codegen.dynamics.elements.facets import Source
     from kousoku.codegen.dynamics.operations.placement import Placement
@@ -148,7 +152,9 @@ class SpringFacets(ForceFacets[PointSpring]):
             )
         ]
         names, arguments = tasks.law(self.force)
-        operation = SpringEffect(i.columns, j.columns, self.force.law, names, self.force.works)
+        operation = SpringEffect(
+            i.columns, j.columns, self.force.law, names, self.force.is_nonconservative
+        )
         return tasks.recorder.call(operation, *ends, *constants, *arguments)
 
     def energy(self, tasks: ForceRecorder) -> SlotMatrix:
@@ -193,7 +199,7 @@ class SpringFacets(ForceFacets[PointSpring]):
         return RelativeCoordinate(self.force.name, "length", self.force.i, self.force.j, ends)
 
     def _across(
-        self, courses: Mapping[int, Course], inputs: Mapping[str, Sequence[Real]]
+        self, courses: Mapping[int, BodyMotion], inputs: Mapping[str, Sequence[Real]]
     ) -> list[Jet]:
         """Vector d (3,) [m] from one end to the other along a motion, frame O."""
         start = courses[self.force.i].point(inputs["s_i_b"])
@@ -202,8 +208,8 @@ class SpringFacets(ForceFacets[PointSpring]):
 
     def length_by_definition(
         self,
-        equations: BodyEquations,
-        courses: Mapping[int, Course],
+        equations: NewtonEulerEquations,
+        courses: Mapping[int, BodyMotion],
         constants: Mapping[str, Sequence[Real]],
     ) -> tuple[Jet, Real]:
         """Distance l = |d| [m] of the ends, and l⁰."""
@@ -213,11 +219,11 @@ class SpringFacets(ForceFacets[PointSpring]):
 
     def by_definition(
         self,
-        equations: BodyEquations,
-        courses: Mapping[int, Course],
+        equations: NewtonEulerEquations,
+        courses: Mapping[int, BodyMotion],
         names: Mapping[str, Jet],
         constants: Mapping[str, Sequence[Real]],
-        loads: Found,
+        loads: AppliedForces,
     ) -> tuple[Real, Real]:
         """Add the tension along the line; return the power of its damper, and ½ k (l − l⁰)²."""
         force, d = self.force, self._across(courses, constants)

@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 #: Tables whose rows have several numbers.
 PAIRS = frozenset(
     {
-        *("shifts", "turns", "drivers", "starts", "parts", "events", "rank_rows"),
+        *("shifts", "orientations", "drivers", "starts", "parts", "events", "rank_rows"),
         *("narrow_scales", "feature_scales"),
     }
 )
@@ -57,7 +57,7 @@ FEATURE_NUMBERS = {
     ("HAS_PARAMETERS",): ("N_PARAMETERS", "W_PARAMETERS"),
     ("HAS_DESIGN",): ("N_DESIGN", "STARTS", "POSITIVE", "W_DESIGN"),
     ("HAS_WORKS",): ("WORKS",),
-    ("HAS_COUNTED_TURNS",): ("COUNTED", "COUNTED_END"),
+    ("HAS_UNWRAPPED_ANGLES",): ("UNWRAPPED_ANGLES", "UNWRAPPED_ANGLES_END"),
     ("HAS_MOMENTA",): ("MOMENTA", "W_MOMENTA"),
     ("HAS_RANK",): ("RANK_ROWS",),
     ("HAS_ROW_SWITCH", "HAS_DRIVERS"): ("DRIVERS",),
@@ -391,7 +391,16 @@ def solver_context(
     """
     segments, slots = (*program.segments, *program.on_demand), slots_of(program)
     solver_tables = tables(program, system, length, parts)
-    counted = ("shifts", "turns", "drivers", "starts", "positive", "parts", "events", "rank_rows")
+    counted = (
+        "shifts",
+        "orientations",
+        "drivers",
+        "starts",
+        "positive",
+        "parts",
+        "events",
+        "rank_rows",
+    )
     counts = layout_sizes(program) | {name.upper(): len(solver_tables[name]) for name in counted}
     shown = len(system.shown) if "coordinates" in parts else 0
     counts |= {"N_SHOWN": shown, "PER_SHOWN": 3 if "v_dot" in parts else 2}
@@ -445,13 +454,13 @@ def _features(program: Program, system: System, parts: Sequence[str]) -> tuple[s
     segments = {segment.name for segment in (*program.segments, *program.on_demand)}
     features = {
         "HAS_ROWS": "position" in segments,
-        "FITS": bool(program.satisfied),
+        "HAS_JOINT_COORDINATES": bool(program.satisfied),
         "HAS_DRIVERS": has_drivers(system),
         "IS_DRIVEN": is_driven(program, system),
         "HAS_PARAMETERS": bool(system.parameters),
         "HAS_CONSTANTS": bool(program.constants),
         "HAS_DESIGN": bool(program.design),
-        "HAS_COUNTED_TURNS": bool(counted_turns(program)),
+        "HAS_UNWRAPPED_ANGLES": bool(counted_turns(program)),
         "HAS_WORKS": works(program) > 0,
         "HAS_MOMENTA": "momentum" in segments,
         "HAS_MISSES": program.has_misses,

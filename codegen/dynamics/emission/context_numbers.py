@@ -20,7 +20,7 @@ from kousoku.runtime.integrate.settings import ACTIONS
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.dynamics.recording.program import ConstraintEquation, Program
+    from kousoku.codegen.dynamics.recording.program import Program, RowIndex
     from kousoku.model.lowering.root_functions import Measure, PartScale
     from kousoku.model.mechanics.multibody import System
 
@@ -42,8 +42,8 @@ def layout_sizes(program: Program) -> dict[str, int]:
         "NCHECK": present["C"] + present.get("C_left_out", 0),
         "ADDED": added(program),
         "WORKS": works(program),
-        "COUNTED": counted.start,
-        "COUNTED_END": counted.stop,
+        "UNWRAPPED_ANGLES": counted.start,
+        "UNWRAPPED_ANGLES_END": counted.stop,
         "MOMENTA": present.get("momenta", 0),
         "CONSTANTS": present["constants"],
         "N_PARAMETERS": present.get("parameters", 0),
@@ -112,7 +112,9 @@ def tables(
         if compares
         else [],
         "shifts": [(owner[a], (a - q.start, b - v.start)) for a, b in shifts],
-        "turns": [(owner[a], (a - q.start, b - v.start, n)) for a, b, n in turn_slots(program)],
+        "orientations": [
+            (owner[a], (a - q.start, b - v.start, n)) for a, b, n in turn_slots(program)
+        ],
         "inverse_masses": [
             (owner[slot], float(x))
             for slot, x in zip(v, inverse_mass_table(program, system), strict=True)
@@ -190,7 +192,7 @@ def measure_size(measure: Measure, system: System, length: float) -> float:
     return length / (system.unit if measure.force < 0 else 1.0)
 
 
-def row_of(row: ConstraintEquation, system: System) -> list[str]:
+def row_of(row: RowIndex, system: System) -> list[str]:
     """Name of the joint of a row, or the key of its driver, and the unit of its residual."""
     instance = system.constraints[row.instance]
     name = f"drivers.{row.joint}" if instance.is_driver else row.joint

@@ -72,10 +72,10 @@ def motion_data(
     about, functions = about or About(), root_functions_of(system)
     q, v = program.region("q").base, program.region("v").base
     varying: dict[str, object] = {"design": _design(program)} if program.design else {}
-    if system.given:
+    if system.written_starts:
         varying["given"] = [
             asdict(replace(given, mass_properties=tuple(_shown(program, given.mass_properties))))
-            for given in system.given
+            for given in system.written_starts
         ]
     if any(instance.is_driver for instance in system.constraints):
         varying["driven"] = sorted(system.coordinates[index].name for index in _driven(system))

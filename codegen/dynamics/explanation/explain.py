@@ -20,7 +20,7 @@ from kousoku.codegen.dynamics.generate import LEDGER_OUTPUTS
 from kousoku.codegen.dynamics.operations.body_coordinates import with_all_inertias
 from kousoku.codegen.dynamics.recording.counts import counts, operations
 from kousoku.codegen.dynamics.recording.inline import inline
-from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
+from kousoku.codegen.dynamics.redundancy.freedom import mobility_of
 from kousoku.codegen.dynamics.simplification.body_blocks import gyroscopic_ratios
 from kousoku.codegen.dynamics.simplification.planarity import plane_of
 from kousoku.codegen.dynamics.simplification.rigid_groups import fixed_joints
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.explanation.structure import Structure
     from kousoku.codegen.dynamics.operations.placement import Constants
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.codegen.dynamics.redundancy.freedom import Freedom
+    from kousoku.codegen.dynamics.redundancy.freedom import Mobility
     from kousoku.model.mechanics.multibody import System
     from kousoku.model.records.scene import Scene
 
@@ -85,7 +85,7 @@ class Explanation:
         Operations of each segment of the program.
     structure : Structure
         Structure of the equations that remain.
-    freedom : Freedom
+    freedom : Mobility
         Degrees of freedom and dependent rows.
     removed : tuple of str
         The rows that depend on others, such as ``a: row 1 of p1_z``.
@@ -99,7 +99,7 @@ class Explanation:
     steps: tuple[SavedStep, ...]
     segments: tuple[tuple[str, int], ...]
     structure: Structure
-    freedom: Freedom
+    freedom: Mobility
     removed: tuple[str, ...]
     drivers: tuple[str, ...]
     is_planar: bool
@@ -187,10 +187,10 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
     )
 
 
-def _freedom_unlumped(system: System) -> Freedom:
-    """Freedom of a scene whose bodies are all separate."""
+def _freedom_unlumped(system: System) -> Mobility:
+    """Mobility of a scene whose bodies are all separate."""
     analysed = with_all_rows(system, plane_of(system))
-    return freedom_of(fixed_system(system), analysed.outline)
+    return mobility_of(fixed_system(system), analysed.outline)
 
 
 def _compared_steps(
@@ -334,7 +334,7 @@ def _moments_detail(system: System) -> str:
 
 
 def _reduction_steps(
-    system: System, freedom: Freedom, programs: tuple[Program, Program, Program]
+    system: System, freedom: Mobility, programs: tuple[Program, Program, Program]
 ) -> list[SavedStep]:
     """Savings by the coordinates of joints with the ground.
 
@@ -357,7 +357,7 @@ def _reduction_steps(
     ]
 
 
-def _drivers_detail(system: System, prescribed: Program, freedom: Freedom) -> str:
+def _drivers_detail(system: System, prescribed: Program, freedom: Mobility) -> str:
     """Text of the bodies that drivers lead: their positions are formulas of the time."""
     drivers = drivers_of(system)
     if not drivers:
@@ -401,7 +401,7 @@ def _outputs_detail(wanted: Sequence[str]) -> str:
     return f"{', '.join(omitted)} not computed" if omitted else "all are wanted"
 
 
-def _rows_detail(freedom: Freedom) -> str:
+def _rows_detail(freedom: Mobility) -> str:
     if not freedom.dropped:
         return "not looked for in all parts" if freedom.unknown else "none depends on others"
     names = dict.fromkeys(row.joint for row in freedom.dropped)

@@ -88,7 +88,7 @@ def shown_numbers(system: System) -> Iterator[float]:
     shown: list[MovingBody | Carried] = [*system.bodies, *system.carried]
     for body in shown:
         yield from (x for x in (*body.origin_b, *body.axes_b) if is_varying(x))
-    for written in system.given:
+    for written in system.written_starts:
         yield from (x for x in written.mass_properties if is_varying(x))
     yield from (value for _, value in system.positive)
 

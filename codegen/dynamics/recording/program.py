@@ -162,7 +162,7 @@ class ConservedMomenta:
 
 
 @dataclass(frozen=True, slots=True)
-class ConstraintEquation:
+class RowIndex:
     """One row of a constraint.
 
     Parameters
@@ -203,15 +203,15 @@ class Program:
         Count of slots.
     bodies : tuple of BodyCoordinates
         In the order of the system.
-    rows : tuple of ConstraintEquation
+    rows : tuple of RowIndex
         In the order of the regions ``C`` and ``lam``.
     is_planar : bool
         Whether all bodies move in parallel coordinate planes.
-    left_out : tuple of ConstraintEquation
+    left_out : tuple of RowIndex
         Rows that depend on others, in the order of the region ``C_left_out``.
     has_misses : bool
         Whether these may be violated by more than rounding.
-    satisfied : tuple of ConstraintEquation
+    satisfied : tuple of RowIndex
         Rows that hold by themselves, in the order of the region ``C_left_out``: those of joints
         that bodies are put onto. Where there are some no row is left out.
     placed : tuple of int
@@ -247,13 +247,13 @@ class Program:
     constants: tuple[Fraction, ...]
     size: int
     bodies: tuple[BodyCoordinates, ...]
-    rows: tuple[ConstraintEquation, ...]
+    rows: tuple[RowIndex, ...]
     is_planar: bool
     auxiliary: tuple[Auxiliary, ...] = ()
     conserved: tuple[ConservedMomenta, ...] = ()
-    left_out: tuple[ConstraintEquation, ...] = ()
+    left_out: tuple[RowIndex, ...] = ()
     has_misses: bool = False
-    satisfied: tuple[ConstraintEquation, ...] = ()
+    satisfied: tuple[RowIndex, ...] = ()
     placed: tuple[int, ...] = ()
     not_unique: tuple[str, ...] = ()
     undetermined: tuple[tuple[str, tuple[str, ...]], ...] = ()

@@ -43,9 +43,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from kousoku.codegen.dynamics.assembly.residuals import Residuals
-    from kousoku.codegen.dynamics.recording.program import ConstraintEquation
+    from kousoku.codegen.dynamics.recording.program import RowIndex
     from kousoku.codegen.dynamics.redundancy.branch import BranchPosition
-    from kousoku.codegen.dynamics.redundancy.freedom import Freedom
+    from kousoku.codegen.dynamics.redundancy.freedom import Mobility
     from kousoku.codegen.dynamics.redundancy.rank import LQFactors
     from kousoku.model.mechanics.multibody import Instance, MovingBody, RelativeCoordinate, System
     from kousoku.model.numbers.real import Array
@@ -63,12 +63,12 @@ ROUNDED = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
-class Closed:
+class NearlyRedundantRow:
     """A row that others imply within the closure tolerance, and that is left out.
 
     Parameters
     ----------
-    row : ConstraintEquation
+    row : RowIndex
         The row.
     is_length : bool
         Whether its residual is a length, or else an angle.
@@ -78,7 +78,7 @@ class Closed:
         Its largest residual at the positions that were looked at.
     """
 
-    row: ConstraintEquation
+    row: RowIndex
     is_length: bool
     pivot: float
     missed: float
@@ -158,7 +158,7 @@ def _scales(residuals: Residuals, bodies: Sequence[MovingBody]) -> Scales:
 def require_gap(
     system: System,
     branch: Branch,
-    rows: Sequence[ConstraintEquation],
+    rows: Sequence[RowIndex],
     positions: Sequence[BranchPosition],
 ) -> None:
     """Refuse rows that are neither redundant nor independent.
@@ -194,7 +194,7 @@ def far_from_singular(positions: Sequence[BranchPosition]) -> list[BranchPositio
 
 
 def starts_closed(
-    system: System, branch: Branch, rows: Sequence[ConstraintEquation], start: BranchPosition
+    system: System, branch: Branch, rows: Sequence[RowIndex], start: BranchPosition
 ) -> bool:
     """Whether residuals at the start of a scene are within the closure tolerance.
 
@@ -213,7 +213,7 @@ def starts_closed(
     return size <= tolerance
 
 
-def _refuse(system: System, row: ConstraintEquation, others: Sequence[str], size: str) -> NoReturn:
+def _refuse(system: System, row: RowIndex, others: Sequence[str], size: str) -> NoReturn:
     """Refuse a row that is neither redundant nor independent."""
     tolerance, leaning = system.closure_tolerance, _leaning(system, (row.joint, *others))
     raise SceneError(
@@ -225,7 +225,7 @@ def _refuse(system: System, row: ConstraintEquation, others: Sequence[str], size
     )
 
 
-def _joints_beside_last(factors: LQFactors, rows: Sequence[ConstraintEquation]) -> list[str]:
+def _joints_beside_last(factors: LQFactors, rows: Sequence[RowIndex]) -> list[str]:
     """Joints of the rows that nearly imply the row that was taken last."""
     last = factors.rank - 1
     weights = factors.lower[last].copy()
@@ -270,10 +270,10 @@ def _angle_between(a: Array, b: Array) -> float:
 
 def closed_rows(
     branch: Branch,
-    rows: Sequence[ConstraintEquation],
-    dropped: Sequence[ConstraintEquation],
+    rows: Sequence[RowIndex],
+    dropped: Sequence[RowIndex],
     positions: Sequence[BranchPosition],
-) -> tuple[Closed, ...]:
+) -> tuple[NearlyRedundantRow, ...]:
     """Rows that are left out and that others do not imply to rounding.
 
     With yᵀ C_q = 0 small displacements keep yᵀ C: where all other rows are met, the residuals of
@@ -293,7 +293,7 @@ def closed_rows(
         missed = np.maximum(missed, np.abs(_missed_alone(branch, position, indices)))
     is_length = [branch.is_length(k) for k in indices]
     candidates = zip(dropped, is_length, pivots, missed.tolist(), strict=True)
-    closed = (Closed(*candidate) for candidate in candidates)
+    closed = (NearlyRedundantRow(*candidate) for candidate in candidates)
     return tuple(
         row
         for row, starts_open in zip(closed, is_open.tolist(), strict=True)
@@ -314,11 +314,11 @@ def _stay_left_out(position: BranchPosition, indices: Sequence[int]) -> bool:
     return factors.rank == len(indices) and bool(factors.pivots.min() ** 2 > FALL_BACK)
 
 
-def notes_of_freedom(system: System, freedom: Freedom) -> Iterator[str]:
+def notes_of_freedom(system: System, freedom: Mobility) -> Iterator[str]:
     """Notes on rows that were taken as redundant, and on scenes in which nothing moves."""
     fixed = fixed_system(system)
     # with other parameters residuals may be larger, and what is rigid here may move
-    depends = fixed.constraints != system.constraints or system.given
+    depends = fixed.constraints != system.constraints or system.written_starts
     condition = ", with the parameters of the scene" if depends else ""
     worst: dict[tuple[str, bool], float] = {}
     for closed in freedom.closed:

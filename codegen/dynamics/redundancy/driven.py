@@ -20,7 +20,7 @@ from kousoku.runtime.messages import listed
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.dynamics.recording.program import ConstraintEquation
+    from kousoku.codegen.dynamics.recording.program import RowIndex
     from kousoku.codegen.dynamics.redundancy.branch import Branch, BranchPosition
     from kousoku.codegen.dynamics.redundancy.rank import LQFactors
     from kousoku.model.mechanics.multibody import System
@@ -36,7 +36,7 @@ class Drivers:
         The scene.
     branch : Branch
         Branch of the part, whose positions are those that joints allow.
-    joints, drivers : sequence of (ConstraintEquation, int)
+    joints, drivers : sequence of (RowIndex, int)
         Rows, and their indices in the branch.
     """
 
@@ -44,8 +44,8 @@ class Drivers:
         self,
         system: System,
         branch: Branch,
-        joints: Sequence[tuple[ConstraintEquation, int]],
-        drivers: Sequence[tuple[ConstraintEquation, int]],
+        joints: Sequence[tuple[RowIndex, int]],
+        drivers: Sequence[tuple[RowIndex, int]],
     ) -> None:
         self._system, self._branch = system, branch
         self._rows = [row for row, _ in (*joints, *drivers)]
@@ -127,7 +127,7 @@ class Drivers:
     def _named(self) -> dict[str, None]:
         return dict.fromkeys(self._key(row) for row in self._rows[self._first :])
 
-    def _key(self, row: ConstraintEquation) -> str:
+    def _key(self, row: RowIndex) -> str:
         return key_of(self._system.constraints[row.instance])
 
     def _taking_part(self, factors: LQFactors) -> list[str]:

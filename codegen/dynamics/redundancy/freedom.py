@@ -41,9 +41,9 @@ from kousoku.runtime.integrate.settings import CLEARLY
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from kousoku.codegen.dynamics.recording.program import ConstraintEquation
+    from kousoku.codegen.dynamics.recording.program import RowIndex
     from kousoku.codegen.dynamics.redundancy.branch import BranchPosition
-    from kousoku.codegen.dynamics.redundancy.closure import Closed
+    from kousoku.codegen.dynamics.redundancy.closure import NearlyRedundantRow
     from kousoku.codegen.dynamics.redundancy.loops import LoopPart
     from kousoku.codegen.dynamics.redundancy.rank import LQFactors
     from kousoku.codegen.dynamics.redundancy.undetermined import Undetermined
@@ -82,7 +82,7 @@ class DependentSet:
 
 
 @dataclass(frozen=True, slots=True)
-class Freedom:
+class Mobility:
     """Freedoms that the rows of a system leave.
 
     Parameters
@@ -93,7 +93,7 @@ class Freedom:
         Of C_q along the branch.
     dependent : tuple of DependentSet
         Sets that depend along the branch, then those that do at the start only.
-    dropped : tuple of ConstraintEquation
+    dropped : tuple of RowIndex
         Rows that depend on the others and are left out.
     worst : float
         Smallest pivot of the rows left out, over the positions: 1 is best, at 0 the remaining rows
@@ -104,10 +104,10 @@ class Freedom:
         Joints of parts with too many rows, whose dependences are not looked for.
     drivers : int
         Count of rows of drivers in loops.
-    idle : tuple of ConstraintEquation
+    idle : tuple of RowIndex
         Rows left out that carry nothing: no motion changes them, or rows of the same joint, of a
         kind of one's own, imply them.
-    closed : tuple of Closed
+    closed : tuple of NearlyRedundantRow
         Rows left out that others imply within the closure tolerance, but not to rounding.
     undetermined : tuple of (str, tuple of str)
         Components of force and torque, ``"fx"`` to ``"mz"``, that are not unique, of joints whose
@@ -118,18 +118,18 @@ class Freedom:
     rows: int
     rank: int
     dependent: tuple[DependentSet, ...] = ()
-    dropped: tuple[ConstraintEquation, ...] = ()
+    dropped: tuple[RowIndex, ...] = ()
     worst: float = 1.0
     positions: int = 0
     unknown: tuple[str, ...] = ()
     drivers: int = 0
-    idle: tuple[ConstraintEquation, ...] = ()
-    closed: tuple[Closed, ...] = ()
+    idle: tuple[RowIndex, ...] = ()
+    closed: tuple[NearlyRedundantRow, ...] = ()
     undetermined: Undetermined = ()
 
     @classmethod
-    def of(cls, outline: Outline) -> Freedom:
-        """Freedom of a system whose rows are all independent."""
+    def of(cls, outline: Outline) -> Mobility:
+        """Mobility of a system whose rows are all independent."""
         count = len(outline.rows)
         return cls(outline.velocities, count, count)
 
@@ -153,16 +153,16 @@ class Freedom:
         return tuple(names for names in joint_sets if len(names) > 1)
 
 
-class _PartFreedom(NamedTuple):
-    """Freedom of a part, and the positions at which it was looked at."""
+class _PartMobility(NamedTuple):
+    """Mobility of a part, and the positions at which it was looked at."""
 
     branch: Branch
     positions: list[BranchPosition]
     drivers: Drivers
-    freedom: Freedom
+    freedom: Mobility
 
 
-def freedom_of(system: System, outline: Outline) -> Freedom:
+def mobility_of(system: System, outline: Outline) -> Mobility:
     """Degrees of freedom and dependent rows of a system.
 
     Parameters
@@ -173,8 +173,8 @@ def freedom_of(system: System, outline: Outline) -> Freedom:
         Its rows and columns.
     """
     system = near_origin(system)
-    total = Freedom.of(outline)
-    by_instance: dict[int, list[ConstraintEquation]] = {}
+    total = Mobility.of(outline)
+    by_instance: dict[int, list[RowIndex]] = {}
     for row in outline.rows:
         by_instance.setdefault(row.instance, []).append(row)
     for part in loops_of(system):
@@ -211,9 +211,9 @@ def near_origin(system: System) -> System:
 
 
 def _freedom_of_part(
-    system: System, outline: Outline, part: LoopPart, rows: Sequence[ConstraintEquation]
-) -> Freedom:
-    """Freedom that the rows of a part leave, exact or within the closure tolerance."""
+    system: System, outline: Outline, part: LoopPart, rows: Sequence[RowIndex]
+) -> Mobility:
+    """Mobility that the rows of a part leave, exact or within the closure tolerance."""
     residuals, first_row = part_residuals(system, part)
     joints, driven = _joint_and_driver_rows(system, rows)
     joint_rows = [first_row[row.instance] + row.row for row in joints]
@@ -235,16 +235,16 @@ def _freedom_of_part(
                 break
         return positions, drivers
 
-    def exact_freedom() -> _PartFreedom:
+    def exact_freedom() -> _PartMobility:
         branch = Branch(residuals, joint_rows, columns, length)
         positions, drivers = sampled_positions(branch)
         is_stuck = len(positions) == 1 and positions[0].factors.rank < full_rank
         freedom = (
             _shaky(joints, positions[0], full_rank) if is_stuck else _dependences(joints, positions)
         )
-        return _PartFreedom(branch, positions, drivers, freedom)
+        return _PartMobility(branch, positions, drivers, freedom)
 
-    def freedom_within_tolerance() -> _PartFreedom | None:
+    def freedom_within_tolerance() -> _PartMobility | None:
         positions, drivers = sampled_positions(near)
         positions = far_from_singular(positions)
         require_gap(system, near, joints, positions)
@@ -255,7 +255,7 @@ def _freedom_of_part(
         freedom = _dependences(joints, positions, CLEARLY * system.closure_tolerance)
         closed = closed_rows(near, joints, freedom.dropped, positions)
         return (
-            _PartFreedom(near, positions, drivers, replace(freedom, closed=closed))
+            _PartMobility(near, positions, drivers, replace(freedom, closed=closed))
             if closed
             else None
         )
@@ -280,7 +280,7 @@ def _freedom_of_part(
 
 
 def _is_independent(
-    system: System, outline: Outline, part: LoopPart, rows: Sequence[ConstraintEquation]
+    system: System, outline: Outline, part: LoopPart, rows: Sequence[RowIndex]
 ) -> bool:
     """Whether sparse factors show that no row depends on others at the start.
 
@@ -301,8 +301,8 @@ def _is_independent(
 
 
 def _joint_and_driver_rows(
-    system: System, rows: Sequence[ConstraintEquation]
-) -> tuple[list[ConstraintEquation], list[ConstraintEquation]]:
+    system: System, rows: Sequence[RowIndex]
+) -> tuple[list[RowIndex], list[RowIndex]]:
     """Rows of joints, which hold at all times, and rows of drivers.
 
     A point is driven in three directions. A driver that is constant in one of them, as across a
@@ -321,10 +321,10 @@ def _joint_and_driver_rows(
 
 
 def _dependences(
-    rows: Sequence[ConstraintEquation],
+    rows: Sequence[RowIndex],
     positions: Sequence[BranchPosition],
     takes_part: float = TAKES_PART,
-) -> Freedom:
+) -> Mobility:
     """Dependences of the rows of joints after all positions were looked at."""
     rank = max(position.factors.rank for position in positions)
     regular = [position for position in positions if position.factors.rank == rank]
@@ -341,7 +341,7 @@ def _dependences(
             added = count - sum(n for other, n in everywhere if set(other) <= set(indices))
             if added > 0:
                 sets.append(_dependent_set(rows, indices, added, is_everywhere=False))
-    return Freedom(
+    return Mobility(
         columns=0,
         rows=len(rows),
         rank=rank,
@@ -353,8 +353,8 @@ def _dependences(
     )
 
 
-def _shaky(rows: Sequence[ConstraintEquation], position: BranchPosition, rank: int) -> Freedom:
-    """Freedom of a shaky linkage: infinitesimally mobile, but finitely rigid.
+def _shaky(rows: Sequence[RowIndex], position: BranchPosition, rank: int) -> Mobility:
+    """Mobility of a shaky linkage: infinitesimally mobile, but finitely rigid.
 
     Rows that depend on each other there hold what the others do not, as those of two bars that are
     stretched between two points do: none can be left out.
@@ -363,7 +363,7 @@ def _shaky(rows: Sequence[ConstraintEquation], position: BranchPosition, rank: i
         _dependent_set(rows, indices, count, is_everywhere=False)
         for indices, count in _components([position.factors], TAKES_PART)
     ]
-    return Freedom(0, len(rows), rank, tuple(sets), positions=1)
+    return Mobility(0, len(rows), rank, tuple(sets), positions=1)
 
 
 def part_residuals(system: System, part: LoopPart) -> tuple[Residuals, Mapping[int, int]]:
@@ -419,7 +419,7 @@ def _components(
 
 
 def _dependent_set(
-    rows: Sequence[ConstraintEquation],
+    rows: Sequence[RowIndex],
     indices: Sequence[int],
     dimension: int,
     *,
@@ -429,5 +429,5 @@ def _dependent_set(
     return DependentSet(joints, len(indices), dimension, is_everywhere)
 
 
-def _joints(rows: Iterable[ConstraintEquation]) -> tuple[str, ...]:
+def _joints(rows: Iterable[RowIndex]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(row.joint for row in rows))

@@ -24,7 +24,7 @@ from kousoku.codegen.dynamics.redundancy.branch import BRANCH_TOLERANCE
 from kousoku.codegen.dynamics.redundancy.closure import is_near, near_branch
 from kousoku.codegen.dynamics.redundancy.freedom import (
     MOST_SEARCHED_ROWS,
-    freedom_of,
+    mobility_of,
     part_residuals,
 )
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
@@ -64,7 +64,7 @@ def with_consistent_start(written: System) -> System:
         with suppress(AssemblyError):
             placed = assemble(written, left_out)
             fixed = without_held(fixed_system(placed))
-            if freedom_of(fixed, outline_of(fixed, plane_of(fixed))).closed:
+            if mobility_of(fixed, outline_of(fixed, plane_of(fixed))).closed:
                 return placed
     try:
         return assemble(written)

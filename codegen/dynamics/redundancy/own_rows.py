@@ -23,8 +23,8 @@ from kousoku.runtime.integrate.settings import CLEARLY
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kousoku.codegen.dynamics.recording.program import ConstraintEquation
-    from kousoku.codegen.dynamics.redundancy.freedom import Freedom
+    from kousoku.codegen.dynamics.recording.program import RowIndex
+    from kousoku.codegen.dynamics.redundancy.freedom import Mobility
     from kousoku.model.mechanics.multibody import System
     from kousoku.model.numbers.real import Array
 
@@ -39,14 +39,14 @@ ROW_RANK_TOLERANCE = 1e-9
 MOST_RETURN_STEPS, RETURN_TOLERANCE = 20, 1e-12
 
 
-def require_own_rows_implied(system: System, freedom: Freedom, *, is_planar: bool) -> None:
+def require_own_rows_implied(system: System, freedom: Mobility, *, is_planar: bool) -> None:
     """Refuse rows of kinds of one's own that would be left out, though others do not imply them.
 
     Parameters
     ----------
     system : System
         The scene, assembled, its numbers fixed.
-    freedom : Freedom
+    freedom : Mobility
         Its rows that depend on others.
     is_planar : bool
         Whether all bodies stay in planes parallel to the xy-plane.
@@ -77,12 +77,12 @@ def require_own_rows_implied(system: System, freedom: Freedom, *, is_planar: boo
             )
 
 
-def repeated_rows(system: System, freedom: Freedom) -> tuple[ConstraintEquation, ...]:
+def repeated_rows(system: System, freedom: Mobility) -> tuple[RowIndex, ...]:
     """Rows left out that other rows of the same joint, of a kind of one's own, imply.
 
     The reaction of the joint does not depend on their multipliers: they carry nothing.
     """
-    repeated: list[ConstraintEquation] = []
+    repeated: list[RowIndex] = []
     for index, instance in enumerate(system.constraints):
         dropped = [row for row in freedom.dropped if row.instance == index]
         if not dropped or not is_own(instance.kind):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from kousoku.codegen.dynamics.recording.program import ConstraintEquation
+    from kousoku.codegen.dynamics.recording.program import RowIndex
 
 #: Rows up to which all of them are solved for at once: memory grows with their square, and the time
 #: of a step with their cube.
@@ -30,7 +30,7 @@ def shares_out(kept: int, left_out: int) -> bool:
     return take_over(kept, left_out) and kept * left_out > MOST_UNROLLED
 
 
-def by_instance(rows: Iterable[ConstraintEquation]) -> dict[int, list[int]]:
+def by_instance(rows: Iterable[RowIndex]) -> dict[int, list[int]]:
     """Rows by the indices of their constraints."""
     groups: dict[int, list[int]] = {}
     for row in rows:

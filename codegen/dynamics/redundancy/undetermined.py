@@ -20,7 +20,7 @@ from kousoku.runtime.integrate.motion import JOINT
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
 
-    from kousoku.codegen.dynamics.recording.program import ConstraintEquation
+    from kousoku.codegen.dynamics.recording.program import RowIndex
     from kousoku.codegen.dynamics.redundancy.branch import Branch, BranchPosition
     from kousoku.codegen.dynamics.redundancy.loops import LoopPart
     from kousoku.model.mechanics.multibody import System
@@ -39,7 +39,7 @@ def undetermined(
     system: System,
     part: LoopPart,
     branch: Branch,
-    rows: Sequence[ConstraintEquation],
+    rows: Sequence[RowIndex],
     positions: Sequence[BranchPosition],
     *,
     joints: Collection[str],
@@ -55,7 +55,7 @@ def undetermined(
         The part of it that loops connect.
     branch : Branch
         The branch on which the part moves.
-    rows : sequence of ConstraintEquation
+    rows : sequence of RowIndex
         Rows of joints of the part.
     positions : sequence of BranchPosition
         Positions at which these depend on each other.

@@ -12,7 +12,7 @@ from kousoku.runtime.messages import listed
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kousoku.codegen.dynamics.recording.program import ConstraintEquation, Program
+    from kousoku.codegen.dynamics.recording.program import Program, RowIndex
     from kousoku.model.mechanics.multibody import System
 
 
@@ -43,7 +43,7 @@ def _rows_of_varying_loops(program: Program, system: System) -> list[tuple[str, 
         return []
     instances = _varying_loops(system)
     first, last = len(program.rows), len(program.rows) + len(program.left_out)
-    rows: tuple[ConstraintEquation, ...] = (*program.rows, *program.left_out, *program.satisfied)
+    rows: tuple[RowIndex, ...] = (*program.rows, *program.left_out, *program.satisfied)
     return [
         (row.joint, (index, int(first <= index < last)))
         for index, row in enumerate(rows)

@@ -16,7 +16,7 @@ from kousoku.model.mechanics.constraints import base_and_axis, components_of, is
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from kousoku.codegen.dynamics.recording.program import ConstraintEquation, Program
+    from kousoku.codegen.dynamics.recording.program import Program, RowIndex
     from kousoku.model.mechanics.multibody import Instance, MovingBody, System
 
     T = TypeVar("T")
@@ -83,9 +83,7 @@ def permuted_columns(columns: Sequence[int], shift: int) -> tuple[int, ...]:
     return tuple(sorted(k // 3 * 3 + (k + shift) % 3 for k in columns))
 
 
-def permuted_rows(
-    rows: Iterable[ConstraintEquation], system: System, shift: int
-) -> tuple[ConstraintEquation, ...]:
+def permuted_rows(rows: Iterable[RowIndex], system: System, shift: int) -> tuple[RowIndex, ...]:
     """Rows of a system as rows of the permuted system."""
     kinds = [c.kind for c in system.constraints]
     return tuple(

@@ -31,7 +31,7 @@ from kousoku.model.operations.interpret import evaluate
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.dynamics.recording.program import ConstraintEquation
+    from kousoku.codegen.dynamics.recording.program import RowIndex
     from kousoku.model.mechanics.multibody import RelativeCoordinate, System
     from kousoku.model.numbers.precise import High, Quadruple, Triple
 
@@ -176,14 +176,14 @@ def velocity_transformations_of(
     return transformations
 
 
-def is_worth(system: System, rows: Sequence[ConstraintEquation]) -> bool:
+def is_worth(system: System, rows: Sequence[RowIndex]) -> bool:
     """Whether drivers act on bodies at the ground, or joints there have many of the rows.
 
     Parameters
     ----------
     system : System
         The scene.
-    rows : sequence of ConstraintEquation
+    rows : sequence of RowIndex
         All rows that are solved.
     """
     grounded = [len(c.bodies) == 2 and GROUND_INDEX in c.bodies for c in system.constraints]

@@ -108,7 +108,7 @@ def _joined(system: System, groups: Sequence[Sequence[int]], normal: int | None 
         forces=tuple(facets_of(f).seen_from(placements[f.i], placements[f.j]) for f in forces),
         coordinates=tuple(_coordinate(c, placements) for c in system.coordinates),
         carried=carried,
-        resting=static_potential(system, placements),
+        static_potential=static_potential(system, placements),
     )
 
 

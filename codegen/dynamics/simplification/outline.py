@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.operations.body_coordinates import coordinate_counts, shape
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen, inputs_of
-from kousoku.codegen.dynamics.recording.program import ConstraintEquation
+from kousoku.codegen.dynamics.recording.program import RowIndex
 from kousoku.codegen.dynamics.recording.recorder import Recorder, pattern_of
 from kousoku.codegen.dynamics.recording.traces import Trace
 from kousoku.codegen.dynamics.simplification.axis_permutation import (
@@ -45,13 +45,13 @@ class Outline:
         The plane of the motion; None where bodies move in space.
     columns : tuple of tuple of int
         Indices in (δr, δθ′) of the velocities of each body.
-    rows : tuple of ConstraintEquation
+    rows : tuple of RowIndex
         In the order in which they are composed.
     """
 
     plane: Plane | None
     columns: tuple[tuple[int, ...], ...]
-    rows: tuple[ConstraintEquation, ...]
+    rows: tuple[RowIndex, ...]
 
     @property
     def is_planar(self) -> bool:
@@ -89,7 +89,7 @@ def outline_of(system: System, plane: Plane | None) -> Outline:
     live = live_rows(turned, is_planar=is_planar)
     pairs = enumerate(zip(system.constraints, live, strict=True))
     rows = tuple(
-        ConstraintEquation(instance.joint, index, row)
+        RowIndex(instance.joint, index, row)
         for index, (instance, of_instance) in pairs
         for row in of_instance
     )

@@ -108,6 +108,6 @@ def _kept(system: System, leaders: DisjointSets) -> set[int]:
     for force in system.forces:
         is_inner = leaders.of(force.i) == leaders.of(force.j)
         is_carried = facets_of(force).is_carried
-        if not is_carried or (is_inner and (force.works or force.formulas)):
+        if not is_carried or (is_inner and (force.is_nonconservative or force.formulas)):
             kept |= {force.i, force.j}
     return kept - {GROUND_INDEX}

@@ -18,10 +18,10 @@
 
 /* what is known of a step: it may end on another branch, it stays on its own, or goes straight on
  * where another one meets it, or comes nearer than rounding tells */
-enum { LEAPS, STAYS, MEETS };
+enum { BRANCH_LOST, ON_BRANCH, BIFURCATION };
 
 /* Newton's polynomial through n coordinates at parts x of a step: q at a part of it */
-static void follow_way(size_t n, const double *x, double c[][ROOM(NQ)], double part, double *q)
+static void evaluate_path(size_t n, const double *x, double c[][ROOM(NQ)], double part, double *q)
 {
     memcpy(q, c[n - 1], NQ * sizeof *q);
     for (size_t k = n - 1; k-- > 0;) {
@@ -30,7 +30,7 @@ static void follow_way(size_t n, const double *x, double c[][ROOM(NQ)], double p
 }
 
 /* the cubic polynomial through both ends of a step of length h, from f_before to f */
-static void begin_way(double h, const double *y_before, const double *f_before, const double *y,
+static void begin_path(double h, const double *y_before, const double *f_before, const double *y,
     const double *f, double *x, double c[][ROOM(NQ)])
 {
     x[0] = x[1] = 0.0;
@@ -46,12 +46,12 @@ static void begin_way(double h, const double *y_before, const double *f_before, 
 
 /* brings a place of the way at a part of a step onto the constraints, if it is off: the way leads
  * through it then; how far off it was, negative where it cannot be brought */
-static double bend_way(size_t *count, double *x, double c[][ROOM(NQ)], double t, double part,
+static double correct_path(size_t *count, double *x, double c[][ROOM(NQ)], double t, double part,
     double *ratio, Work *work, State *s)
 {
     double *w = work->w, *q = work->scratch, product = 1.0;
     const size_t n = *count;
-    follow_way(n, x, c, part, q);
+    evaluate_path(n, x, c, part, q);
     w[W_T] = t;
     ratio_at(q, work, s);
     *ratio = branch_ratio(work, s);
@@ -85,16 +85,16 @@ static int follow_branch(
                         larger(before, after) <= LARGEST_ROOT_RATIO * smaller(before, after);
     size_t n = 4;
     forget_trials(work);
-    begin_way(h, s->y, s->f, y, f, x, work->way);
+    begin_path(h, s->y, s->f, y, f, x, work->way);
     for (size_t approach = 0; approach != MOST_APPROACHES; ++approach) {
         for (size_t side = 0; side < 2; ++side) {
             const double there = part + (side ? beside : -beside), t = s->time + there * h;
-            off[side] = bend_way(&n, x, work->way, t, there, &roots[side], work, s);
-            if (!(off[side] >= 0.0)) return LEAPS;
+            off[side] = correct_path(&n, x, work->way, t, there, &roots[side], work, s);
+            if (!(off[side] >= 0.0)) return BRANCH_LOST;
             /* rows that were left out took over, and hold it */
-            if (HAS_ROW_SWITCH && work->all.is_on != 0.0 &&
+            if (HAS_ROW_SWITCH && work->row_switch.is_active != 0.0 &&
                 roots[side] > FALL_BACK * s->largest_pivot_ratio)
-                return STAYS;
+                return ON_BRANCH;
             roots[side] = sqrt(roots[side]);
             farthest = larger(farthest, off[side]);
             nearest = smaller(nearest, roots[side]);
@@ -107,23 +107,23 @@ static int follow_branch(
         if (!is_between && is_inside) continue; /* the place is farther away */
         const int is_on = larger(off[0], off[1]) <= larger(OFF_WAY, NO_GAP / (beside * way));
         if (is_on && !is_between)
-            return is_even && farthest <= FAR_ERROR_PART * nearest ? STAYS : LEAPS;
+            return is_even && farthest <= FAR_ERROR_PART * nearest ? ON_BRANCH : BRANCH_LOST;
         /* momentum leads free bodies across gaps that numbers of a scene are rounded to */
-        if (is_on && (!IS_DRIVEN || beside * way <= NEAREST_DISTANCE)) return MEETS;
+        if (is_on && (!IS_DRIVEN || beside * way <= NEAREST_DISTANCE)) return BIFURCATION;
         if (is_between) slope = sum / (2.0 * beside);
         if (!is_inside) part = part > 0.5 ? 1.0 : 0.0;
         beside *= DISTANCE_FACTOR;
     }
-    return LEAPS;
+    return BRANCH_LOST;
 }
 
 /* notes what is known of a step to a time: that it may have leapt, or that branches meet */
 static void note_branch(double time, int found, State *s)
 {
-    if (found == LEAPS) {
+    if (found == BRANCH_LOST) {
         if (s->branch_points == 0.0) s->branch_point_time = time;
         s->branch_points += 1;
-    } else if (found == MEETS) {
+    } else if (found == BIFURCATION) {
         if (s->meetings == 0.0) s->meeting_time = time;
         s->meetings += 1;
     }

@@ -41,10 +41,10 @@ FAR_ERROR_PART = 1e-2
 LARGEST_ROOT_RATIO = 2.0
 #: Verdicts on a step: it may end on another branch, it stays on its own, or goes straight on where
 #: another one meets it, or comes nearer than rounding tells.
-LEAPS, STAYS, MEETS = 0, 1, 2
+BRANCH_LOST, ON_BRANCH, BIFURCATION = 0, 1, 2
 
 
-def follow_way(x: list[float], c: list[Array], part: float) -> Array:
+def evaluate_path(x: list[float], c: list[Array], part: float) -> Array:
     """Coordinates (nq,) at a part of a step [-] by Newton's polynomial through those at parts x.
 
     q = c₀ + (s − x₀) (c₁ + (s − x₁) (c₂ + …)) with the part s and n coefficients c (nq,), in the
@@ -56,7 +56,7 @@ def follow_way(x: list[float], c: list[Array], part: float) -> Array:
     return q
 
 
-def begin_way(
+def begin_path(
     h: float, y_before: Array, f_before: Array, y: Array, f: Array, nq: int
 ) -> tuple[list[float], list[Array]]:
     """Cubic polynomial through both ends of a step of length h [s], from f_before to f (ny,)."""
@@ -65,7 +65,7 @@ def begin_way(
     return [0.0, 0.0, 1.0, 1.0], [y_before[:nq].copy(), first, bend, h * f[:nq] - step - bend]
 
 
-def bend_way(
+def correct_path(
     x: list[float], c: list[Array], t: float, part: float, work: Work, state: State
 ) -> tuple[float, float]:
     """Bring a place of the way at a part of a step onto the constraints, if it is off.
@@ -75,7 +75,7 @@ def bend_way(
     Parameters
     ----------
     x, c : list of float [-], list of (nq,) array
-        As of :func:`follow_way`; they grow by one where the way is bent.
+        As of :func:`evaluate_path`; they grow by one where the way is bent.
     t : float [s]
         Time there.
     part : float [-]
@@ -89,7 +89,7 @@ def bend_way(
     ratio : float [-]
         The pivot ratio there.
     """
-    w, q = work.w, follow_way(x, c, part)
+    w, q = work.w, evaluate_path(x, c, part)
     w.t[0] = t
     ratio_at(q, work, state)
     ratio = branch_ratio(work, state)
@@ -114,12 +114,12 @@ def bend_way(
 def follow_branch(
     h: float, y: Array, f: Array, part: float, slope: float, work: Work, state: State
 ) -> int:
-    """Verdict on a step of length h [s] to y (ny,) and f = ẏ (ny,): LEAPS, STAYS or MEETS.
+    """Verdict on a step of length h [s] to y (ny,) and f = ẏ (ny,), one of those above.
 
     About at a part of it, with a slope of the roots of pivot ratios [-], branches meet, or nearly.
     """
     forget_trials(work)
-    x, c = begin_way(h, state.y, state.f, y, f, work.scene.nq)
+    x, c = begin_path(h, state.y, state.f, y, f, work.scene.nq)
     travel = work.w.way_of(h, state.y, y)
     before = math.sqrt(abs(state.position_ratio))
     low, high = smaller(before, slope - before), larger(before, slope - before)
@@ -130,12 +130,12 @@ def follow_branch(
         roots, worst = [], 0.0
         for side in (-distance, distance):
             node = part + side
-            correction, ratio = bend_way(x, c, state.time + node * h, node, work, state)
+            correction, ratio = correct_path(x, c, state.time + node * h, node, work, state)
             if not correction >= 0.0:
-                return LEAPS
-            takes_over = work.all is not None and work.all.is_on
+                return BRANCH_LOST
+            takes_over = work.row_switch is not None and work.row_switch.is_active
             if takes_over and ratio > FALL_BACK * state.largest_pivot_ratio:
-                return STAYS  # rows that were left out hold it
+                return ON_BRANCH  # rows that were left out hold it
             roots.append(math.sqrt(ratio))
             worst = larger(worst, correction)
             farthest = larger(farthest, correction)
@@ -150,25 +150,25 @@ def follow_branch(
             continue  # the place is farther away
         is_on = worst <= larger(OFF_WAY, NO_GAP / (distance * travel))
         if is_on and not is_between:
-            return STAYS if is_even and farthest <= FAR_ERROR_PART * nearest else LEAPS
+            return ON_BRANCH if is_even and farthest <= FAR_ERROR_PART * nearest else BRANCH_LOST
         # momentum leads free bodies across gaps that numbers of a scene are rounded to
         if is_on and (not work.scene.is_driven or distance * travel <= NEAREST_DISTANCE):
-            return MEETS
+            return BIFURCATION
         if is_between:
             slope = total / (2.0 * distance)
         if not is_inside:
             part = 1.0 if part > 0.5 else 0.0
         distance *= DISTANCE_FACTOR
-    return LEAPS
+    return BRANCH_LOST
 
 
 def note_branch(time: float, verdict: int, state: State) -> None:
     """Note the verdict on a step to a time [s]: that it may have leapt, or that branches meet."""
-    if verdict == LEAPS:
+    if verdict == BRANCH_LOST:
         if state.branch_points == 0.0:
             state.branch_point_time = time
         state.branch_points += 1
-    elif verdict == MEETS:
+    elif verdict == BIFURCATION:
         if state.meetings == 0.0:
             state.meeting_time = time
         state.meetings += 1

@@ -220,7 +220,7 @@ int PUBLIC(evaluate)(
     position(w);
     move(w);
     velocity(w);
-    if (HAS_ROW_SWITCH) ((Work *)workspace)->all.is_on = 0.0;
+    if (HAS_ROW_SWITCH) ((Work *)workspace)->row_switch.is_active = 0.0;
     find_reactions((Work *)workspace, 0);
     coordinate(w);
     energy(w);

@@ -81,7 +81,7 @@ def follow_design(y: Array, w: Workspace) -> None:
     before[slots] = w.design[sources]
     w.run("setup")
     after[slots] = w.design[sources]
-    for first, _, count in w.scene.turns.tolist():
+    for first, _, count in w.scene.orientations.tolist():
         turn = slice(first, first + count)
         if axes_jump(before[turn], after[turn]):
             back = before[turn] * np.where(np.arange(count) > 0, -1.0, 1.0)

@@ -923,7 +923,7 @@ def negligible_variation(
     return np.asarray(np.where(scales[:, 1] == 0.0, always, negligible))
 
 
-class Variation:
+class VariationBounds:
     """Variation of parts between two times, as samples and bounds of the cells between them tell.
 
     Parameters
@@ -937,12 +937,12 @@ class Variation:
         self.reach = self.change = self.hidden = self.most_hidden = np.zeros(len(sample))
 
 
-def begin_variation(sample: Array) -> Variation:
+def begin_variation(sample: Array) -> VariationBounds:
     """Variation of parts (n,) from a first sample on."""
-    return Variation(sample)
+    return VariationBounds(sample)
 
 
-def add_cell(h: float, sample: Array, bounds: Array, variation: Variation) -> None:
+def add_cell(h: float, sample: Array, bounds: Array, variation: VariationBounds) -> None:
     """Add a cell of length h [s]: the sample (n,) at its end, and bounds (4, n) in it.
 
     These are the least and largest values, and the least and largest rates.
@@ -957,7 +957,7 @@ def add_cell(h: float, sample: Array, bounds: Array, variation: Variation) -> No
     v.last = sample
 
 
-def sampling_of(v: Variation, steady: Array, nothing: Array, *, has_error: bool) -> int:
+def sampling_of(v: VariationBounds, steady: Array, nothing: Array, *, has_error: bool) -> int:
     """How well samples tell how all parts vary, but for what counts as nothing.
 
     Their rates change by as little as they do, or bounds leave them steady and are no looser in one

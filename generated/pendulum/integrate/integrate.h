@@ -9,7 +9,7 @@
  *     PUBLIC(name)     the exported name, with the prefix of the scene
  *     DIGEST, KEY      of all that it was made of; what a state of it begins with
  *     LENGTH ...       numbers of the scene
- *     FITS ...         what it has, and others may lack: see lacking.h
+ *     HAS_ROWS ...     what it has, and others may lack: see lacking.h
  *     NQ ... W_SIZE    counts, and places of regions in the workspace, as enumerators, so that the
  *                      compiler drops what the scene does not need
  *     is_length ...    its tables

@@ -36,9 +36,9 @@ static void setup(double *w) { (void)w; }
 #ifndef HAS_WORKS
 #define WORKS 0
 #endif
-#ifndef HAS_COUNTED_TURNS
-#define COUNTED 0
-#define COUNTED_END 0
+#ifndef HAS_UNWRAPPED_ANGLES
+#define UNWRAPPED_ANGLES 0
+#define UNWRAPPED_ANGLES_END 0
 #endif
 #ifndef HAS_MOMENTA
 #define MOMENTA 0
@@ -52,8 +52,8 @@ static void momentum(double *w) { (void)w; }
 #define NC 0
 static void position(double *w) { memset(w + W_DQ, 0, NV * sizeof *w); }
 #endif
-#ifndef FITS
-#define FITS 0
+#ifndef HAS_JOINT_COORDINATES
+#define HAS_JOINT_COORDINATES 0
 #endif
 #ifndef HAS_DRIVERS
 #define HAS_DRIVERS 0
@@ -186,7 +186,7 @@ static const unsigned char is_length[ROOM(NV)];
 static const double floor_of[ROOM((IS_DRIVEN || HAS_RANK) * NQ)];
 /* where each length is in q and v; where Euler parameters are in q, their turn in v, their count */
 static const size_t shifts[ROOM(SHIFTS)][2];
-static const size_t turns[ROOM(TURNS)][3];
+static const size_t orientations[ROOM(ORIENTATIONS)][3];
 /* the parts of a row behind time, q and v: places and sizes */
 static const size_t parts[ROOM(PARTS)][2];
 /* for the row switch-over: the diagonal of M^-1; where it is in the design, or -1; rows of drivers,

@@ -45,7 +45,7 @@ static int inverse_pivots(const double *w, double *least, double *most)
 static double pivot_ratio(const Work *work, const State *s)
 {
     double least, most;
-    if (HAS_ROW_SWITCH && work->all.is_on != 0.0) return work->all.ratio;
+    if (HAS_ROW_SWITCH && work->row_switch.is_active != 0.0) return work->row_switch.ratio;
     if (NC == 0) return 1.0;
     if (!inverse_pivots(work->w, &least, &most)) return 0.0;
     return (s->least_inverse_pivot > 0.0 ? smaller(least, s->least_inverse_pivot) : least) / most;
@@ -72,7 +72,7 @@ static void note_largest_pivot(const Work *work, State *s)
 static double branch_ratio(const Work *work, const State *s)
 {
     double least, most, product = 1.0;
-    const int has_all = HAS_ROW_SWITCH && work->all.is_on != 0.0;
+    const int has_all = HAS_ROW_SWITCH && work->row_switch.is_active != 0.0;
     if (!IS_DRIVEN || NC == 0 || s->usual_pivots[0] == 0.0 || has_all) return pivot_ratio(work, s);
     if (!inverse_pivots(work->w, &least, &most)) return 0.0;
     for (size_t k = 0; k != NC; ++k) product *= work->w[W_PIVOTS + k] * s->usual_pivots[k];

@@ -42,8 +42,8 @@ def pivot_ratio(work: Work, state: State) -> float:
     The largest is that of them and of all steps. 0 if one is not positive; it tends to 0 where rows
     become dependent.
     """
-    if work.all is not None and work.all.is_on:
-        return work.all.ratio
+    if work.row_switch is not None and work.row_switch.is_active:
+        return work.row_switch.ratio
     if work.scene.nc == 0:
         return 1.0
     inverses = inverse_pivots(work)
@@ -78,7 +78,7 @@ def branch_ratio(work: Work, state: State) -> float:
     """
     usual = state.usual_pivots[: work.scene.nc]
     is_square = work.scene.is_driven and len(usual) > 0 and usual[0] > 0.0
-    if not is_square or (work.all is not None and work.all.is_on):
+    if not is_square or (work.row_switch is not None and work.row_switch.is_active):
         return pivot_ratio(work, state)
     if inverse_pivots(work) is None:
         return 0.0

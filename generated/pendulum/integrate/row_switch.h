@@ -24,7 +24,7 @@ static double inverse_mass(const double *w, size_t k)
 static void write_jacobian(Work *work)
 {
     double *w = work->w;
-    RowSwitch *all = &work->all;
+    RowSwitch *all = &work->row_switch;
     memcpy(all->v, w + W_V, NV * sizeof *w);
     memset(w + W_V, 0, NV * sizeof *w);
     if (HAS_DRIVERS) {
@@ -65,7 +65,7 @@ static void set_order(double *order)
 /* C_q M^-1 C_q^T of all rows in their order: few columns belong to a row */
 static void multiply_rows(Work *work)
 {
-    RowSwitch *all = &work->all;
+    RowSwitch *all = &work->row_switch;
     memset(all->matrix, 0, sizeof all->matrix);
     for (size_t i = 0; i != ALL_ROWS; ++i) {
         for (size_t k = 0; k < NV; ++k) {
@@ -89,7 +89,7 @@ static double comparable_pivot(const RowSwitch *all, size_t r)
  * of which is known unless it is 0; 0 if one is not positive */
 static double factorise_rows(Work *work, double known)
 {
-    RowSwitch *all = &work->all;
+    RowSwitch *all = &work->row_switch;
     double least = HUGE_VAL;
     double most = known > 0.0 ? 1.0 / known : 0.0;
     set_order(all->order);
@@ -127,7 +127,7 @@ static void substitute_back(const RowSwitch *all, double *x)
 /* u = -M^-1 C_q^T lambda, where C_q M^-1 C_q^T lambda is what the rows have */
 static void solve_rows(const double *right, Work *work, double *u)
 {
-    RowSwitch *all = &work->all;
+    RowSwitch *all = &work->row_switch;
     double *x = all->solution;
     for (size_t i = 0; i != NC; ++i) x[i] = right[(size_t)all->order[i]];
     for (size_t r = 0; r != NC; ++r) {
@@ -149,7 +149,8 @@ static void drive(Work *work)
     double *q_dot = work->w + W_Q_DOT;
     for (size_t k = 0; k != DRIVERS; ++k) q_dot[drivers[k][1]] = 0.0;
     for (size_t k = 0; k != DRIVERS; ++k) {
-        q_dot[drivers[k][1]] += work->all.rates[drivers[k][0]] * work->all.lam[drivers[k][0]];
+        q_dot[drivers[k][1]] += work->row_switch.rates[drivers[k][0]] *
+                                work->row_switch.lam[drivers[k][0]];
     }
 }
 
@@ -157,7 +158,7 @@ static void drive(Work *work)
  * being 1 */
 static void null_multipliers(size_t n, Work *work, double *lam)
 {
-    RowSwitch *all = &work->all;
+    RowSwitch *all = &work->row_switch;
     double *x = all->solution;
     memcpy(x, all->matrix[NC + n], NC * sizeof *x);
     substitute_back(all, x);
@@ -193,7 +194,7 @@ static void eliminate(double square[][ROOM(FREE_ROWS)], double *right)
  * with the least forces and torques, as where the rows that are kept are independent */
 static void least_norm_reactions(Work *work)
 {
-    RowSwitch *all = &work->all;
+    RowSwitch *all = &work->row_switch;
     double *w = work->w, *lam = w + W_ALL_LAM;
     for (size_t n = 0; n != FREE_ROWS; ++n) {
         null_multipliers(n, work, lam);
@@ -221,7 +222,7 @@ static void least_norm_reactions(Work *work)
  * tell which others there are; without these no force is known */
 static void take_multipliers(Work *work)
 {
-    RowSwitch *all = &work->all;
+    RowSwitch *all = &work->row_switch;
     memset(all->lam, 0, NCHECK * sizeof(double));
     memcpy(all->lam, work->w + W_LAM, NC * sizeof(double));
     write_jacobian(work);
@@ -232,7 +233,7 @@ static void take_multipliers(Work *work)
 /* brings v_dot, and the multipliers of all rows, nearer to C_q v_dot = gamma */
 static void refine_all_rows(Work *work)
 {
-    RowSwitch *all = &work->all;
+    RowSwitch *all = &work->row_switch;
     double *w = work->w;
     check(w);
     solve_rows(w + W_C_DDOT, work, all->v);
@@ -244,10 +245,10 @@ static void refine_all_rows(Work *work)
  * that is equal to a pivot */
 static void accelerate_all_rows(Work *work)
 {
-    double *pivots = work->w + W_PIVOTS, *kept = work->all.solution;
+    double *pivots = work->w + W_PIVOTS, *kept = work->row_switch.solution;
     memcpy(kept, pivots, NC * sizeof(double));
     memset(pivots, 0, NC * sizeof(double));
-    memset(work->all.lam, 0, NCHECK * sizeof(double));
+    memset(work->row_switch.lam, 0, NCHECK * sizeof(double));
     acceleration(work->w);
     memcpy(pivots, kept, NC * sizeof(double));
     refine_all_rows(work);
@@ -257,14 +258,14 @@ static void accelerate_all_rows(Work *work)
  * before */
 static void forget_trials(Work *work)
 {
-    if (HAS_ROW_SWITCH) work->all.tried = 0.0;
+    if (HAS_ROW_SWITCH) work->row_switch.tried = 0.0;
 }
 
 /* whether all rows are better; where they are not, as where drivers or bars stand in line, they are
  * tried again when the ratio of those that are kept has changed as much as would matter */
 static int are_all_rows_better(double ratio, Work *work, const State *s)
 {
-    RowSwitch *all = &work->all;
+    RowSwitch *all = &work->row_switch;
     if (ratio < HELPS * all->tried && all->tried < HELPS * ratio) return 0;
     write_jacobian(work);
     all->ratio = factorise_rows(work, s->least_inverse_pivot);
@@ -294,17 +295,17 @@ static void find_geometry(Work *work, State *s)
 {
     geometry(work->w);
     if (!HAS_ROW_SWITCH) return;
-    work->all.is_on = 0.0;
+    work->row_switch.is_active = 0.0;
     if (!(s->largest_pivot_ratio > ALL_OF_THEM)) {
         write_jacobian(work);
-        work->all.ratio = factorise_rows(work, 0.0);
-        work->all.is_on = work->all.ratio > 0.0;
+        work->row_switch.ratio = factorise_rows(work, 0.0);
+        work->row_switch.is_active = work->row_switch.ratio > 0.0;
         return;
     }
     const double ratio = pivot_ratio(work, s);
     if (!(ratio < FALL_BACK * s->largest_pivot_ratio && are_all_rows_better(ratio, work, s)))
         return;
-    work->all.is_on = 1.0;
+    work->row_switch.is_active = 1.0;
     s->fallbacks += 1;
     s->fallback_time = work->w[W_T];
 }
@@ -317,7 +318,7 @@ static void note_usual_ratio(Work *work, State *s)
     memset(work->w + W_DQ, 0, NV * sizeof(double));
     displace(work->w, NULL);
     geometry(work->w);
-    work->all.is_on = 0.0;
+    work->row_switch.is_active = 0.0;
     forget_trials(work);
     const double ratio = pivot_ratio(work, s);
     write_jacobian(work);

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from .arithmetic import Array
-    from .scene_tables import RowMemory, Work
+    from .scene_tables import RowSwitch, Work
     from .settings import Settings
     from .state import State
 
@@ -39,7 +39,7 @@ def inverse_masses(work: Work) -> Array:
     return np.where(index < 0, fixed, work.w.design[index]) if len(index) else fixed
 
 
-def write_jacobian(all_rows: RowMemory, work: Work) -> None:
+def write_jacobian(all_rows: RowSwitch, work: Work) -> None:
     """Write C_q of all rows, row by row; v stays what it is."""
     w = work.w
     kept = w.v.copy()
@@ -60,13 +60,13 @@ def exchange(a: npt.NDArray[Any], i: int, j: int) -> None:
     a[[i, j]] = a[[j, i]]
 
 
-def comparable_pivot(all_rows: RowMemory, work: Work) -> Array:
+def comparable_pivot(all_rows: RowSwitch, work: Work) -> Array:
     """Pivots (rows,) of all rows in their order, as inverses of masses [1/kg]."""
     pivots: Array = np.diagonal(all_rows.matrix) / work.scene.inverse_pivot_factors[all_rows.order]
     return pivots
 
 
-def factorise_rows(all_rows: RowMemory, work: Work, known: float) -> float:
+def factorise_rows(all_rows: RowSwitch, work: Work, known: float) -> float:
     """Make L D Lᵀ of nc rows of C_q M⁻¹ C_qᵀ, those of drivers and those with the largest pivots.
 
     Returns the smallest pivot relative to the largest of them and of all steps, the inverse of
@@ -96,7 +96,7 @@ def factorise_rows(all_rows: RowMemory, work: Work, known: float) -> float:
     return least / most
 
 
-def solve_rows(right: Array, all_rows: RowMemory, work: Work, u: Array) -> Array:
+def solve_rows(right: Array, all_rows: RowSwitch, work: Work, u: Array) -> Array:
     """Set u (nv,) = −M⁻¹ C_qᵀ λ, where C_q M⁻¹ C_qᵀ λ is the right-hand side of all rows (rows,).
 
     Returns λ (nc,), in the order in which rows are solved for. In the units of the right, u is a
@@ -117,7 +117,7 @@ def solve_rows(right: Array, all_rows: RowMemory, work: Work, u: Array) -> Array
     return x
 
 
-def drive(all_rows: RowMemory, work: Work) -> None:
+def drive(all_rows: RowSwitch, work: Work) -> None:
     """Find the power of drivers with the multipliers of all rows."""
     q_dot, drivers = work.w.q_dot, work.scene.drivers
     for _, work_index in drivers:
@@ -126,14 +126,14 @@ def drive(all_rows: RowMemory, work: Work) -> None:
         q_dot[work_index] += all_rows.rates[row] * all_rows.lam[row]
 
 
-def null_multipliers(n: int, all_rows: RowMemory, count: int) -> Array:
+def null_multipliers(n: int, all_rows: RowSwitch, count: int) -> Array:
     """Multipliers (rows,) that move no body, that of the n-th row that was not solved for being 1.
 
     Parameters
     ----------
     n : int
         Which one.
-    all_rows : RowMemory
+    all_rows : RowSwitch
         Their factors.
     count : int
         How many rows are solved for.
@@ -165,7 +165,7 @@ def eliminate(square: Array, right: Array) -> None:
         right[:r] -= square[:r, r] * right[r]
 
 
-def least_norm_reactions(all_rows: RowMemory, work: Work) -> None:
+def least_norm_reactions(all_rows: RowSwitch, work: Work) -> None:
     """Find the forces of joints of least norm.
 
     Of all multipliers that move the bodies as those that were found do, they are those with the
@@ -188,7 +188,7 @@ def least_norm_reactions(all_rows: RowMemory, work: Work) -> None:
     w.run("wrench")
 
 
-def take_multipliers(all_rows: RowMemory, work: Work) -> None:
+def take_multipliers(all_rows: RowSwitch, work: Work) -> None:
     """Take the multipliers of the rows that are kept for those of all rows.
 
     The factors that are found tell which others there are; without these no force is known.
@@ -200,7 +200,7 @@ def take_multipliers(all_rows: RowMemory, work: Work) -> None:
         all_rows.lam[:count] = math.nan
 
 
-def refine_all_rows(all_rows: RowMemory, work: Work) -> None:
+def refine_all_rows(all_rows: RowSwitch, work: Work) -> None:
     """Correct v̇, and the multipliers of all rows, by what is left of C_q v̇ = γ."""
     work.w.run("check")
     change = np.empty(work.scene.nv)
@@ -209,7 +209,7 @@ def refine_all_rows(all_rows: RowMemory, work: Work) -> None:
     all_rows.lam[all_rows.order[: len(x)]] += x
 
 
-def accelerate_all_rows(all_rows: RowMemory, work: Work) -> None:
+def accelerate_all_rows(all_rows: RowSwitch, work: Work) -> None:
     """Find q_dot, v_dot and the multipliers of all rows."""
     kept = work.w.pivots.copy()  # others may read a number that is equal to one
     work.w.pivots[:] = 0.0  # without them no row has a force: then all get theirs
@@ -221,11 +221,11 @@ def accelerate_all_rows(all_rows: RowMemory, work: Work) -> None:
 
 def forget_trials(work: Work) -> None:
     """Forget where all rows were tried in vain: nothing depends on what was asked before."""
-    if work.all is not None:
-        work.all.tried = 0.0
+    if work.row_switch is not None:
+        work.row_switch.tried = 0.0
 
 
-def are_all_rows_better(ratio: float, all_rows: RowMemory, work: Work, state: State) -> bool:
+def are_all_rows_better(ratio: float, all_rows: RowSwitch, work: Work, state: State) -> bool:
     """Whether all rows are better than those kept.
 
     Where they are not, as where drivers or bars stand in line, they are tried again when the ratio
@@ -257,24 +257,24 @@ def note_misses(s: Settings, work: Work, state: State) -> None:
 def find_geometry(work: Work, state: State) -> None:
     """Find the geometry of q, and the factors of all rows where those kept are nearly dependent."""
     work.w.run("geometry")
-    if work.all is None:
+    if work.row_switch is None:
         return
-    work.all.is_on = False
+    work.row_switch.is_active = False
     if state.largest_pivot_ratio == ALL_OF_THEM:
-        write_jacobian(work.all, work)
-        work.all.ratio = factorise_rows(work.all, work, 0.0)
-        work.all.is_on = work.all.ratio > 0.0
+        write_jacobian(work.row_switch, work)
+        work.row_switch.ratio = factorise_rows(work.row_switch, work, 0.0)
+        work.row_switch.is_active = work.row_switch.ratio > 0.0
         return
     ratio = pivot_ratio(work, state)
     if ratio < FALL_BACK * state.largest_pivot_ratio and are_all_rows_better(
-        ratio, work.all, work, state
+        ratio, work.row_switch, work, state
     ):
-        work.all.is_on = True
+        work.row_switch.is_active = True
         state.fallbacks += 1
         state.fallback_time = work.w.t[0]
 
 
-def note_usual_ratio(all_rows: RowMemory, work: Work, state: State) -> None:
+def note_usual_ratio(all_rows: RowSwitch, work: Work, state: State) -> None:
     """Keep the usual pivot ratio where a run begins.
 
     If rows that are kept are nearly dependent there, it is that of all rows.
@@ -283,7 +283,7 @@ def note_usual_ratio(all_rows: RowMemory, work: Work, state: State) -> None:
     work.w.dq[:] = 0.0
     work.w.displace(None)
     work.w.run("geometry")
-    all_rows.is_on = False
+    all_rows.is_active = False
     forget_trials(work)
     ratio = pivot_ratio(work, state)
     write_jacobian(all_rows, work)

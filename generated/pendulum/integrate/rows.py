@@ -85,8 +85,8 @@ def find_reactions(work: Work, *, is_passed: bool) -> None:
 
     Scenes with many dependent rows share them out here, others in their own code.
     """
-    rows, shares_out = work.all, work.scene.shares_out
-    if rows is None or not (shares_out or ("reactions" in work.scene.parts and rows.is_on)):
+    rows, shares_out = work.row_switch, work.scene.shares_out
+    if rows is None or not (shares_out or ("reactions" in work.scene.parts and rows.is_active)):
         work.w.run("reaction")
     elif is_passed and shares_out:
         work.w.all_lam[:] = math.nan
@@ -94,7 +94,7 @@ def find_reactions(work: Work, *, is_passed: bool) -> None:
     elif is_passed:
         work.w.run("reaction")
     else:
-        if not rows.is_on:
+        if not rows.is_active:
             take_multipliers(rows, work)
         least_norm_reactions(rows, work)
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .arithmetic import larger, mean_square, rounding_of_sum, smaller
-from .branches import LEAPS, STAYS, follow_branch, note_branch
+from .branches import BRANCH_LOST, ON_BRANCH, follow_branch, note_branch
 from .crossing import (
     COARSE,
     FINEST,
@@ -215,7 +215,7 @@ class Trial:
     dip: float = 0.0
     parts: list[float] = field(default_factory=list)
     roots: list[float] = field(default_factory=list)
-    branch: int = STAYS
+    branch: int = ON_BRANCH
     longest: float = 0.0
     is_good: bool = False
     is_whole: bool = False
@@ -398,7 +398,7 @@ def tells_drift(trial: Trial, state: State, work: Work) -> bool:
 
     Neither drivers nor rows that take over lead it there, and it is no rounding.
     """
-    if work.scene.has_drivers or work.all is not None:
+    if work.scene.has_drivers or work.row_switch is not None:
         return False
     return trial.least_ratio >= CLEAR_PIVOT_RATIO * state.largest_pivot_ratio
 
@@ -447,7 +447,7 @@ def norm_error(m: RungeKuttaMethod, h: float, state: State, work: Work) -> float
     y, error = work.scratch, 0.0
     combine(m.stages, m.a[m.stages], state.low, h, work.k, y)
     add_to_start(state.y, y, None)
-    for index, _, count in work.scene.turns:
+    for index, _, count in work.scene.orientations:
         square = 0.0
         for x in y[index : index + count].tolist():
             square += x * x
@@ -607,22 +607,22 @@ def is_short(longest: float, trial: Trial, state: State, work: Work) -> bool:
 
 
 def branch_of(tried: Attempts, trial: Trial, work: Work, state: State) -> int:
-    """Whether a step may end on another branch: LEAPS, STAYS or MEETS."""
+    """Whether a step may end on another branch: BRANCH_LOST, ON_BRANCH or BIFURCATION."""
     if not work.scene.has_refinement:
-        return STAYS
+        return ON_BRANCH
     first, last, most = state.position_ratio, trial.end_ratio, usual_ratio(work, state)
     if not is_short(longest_way(tried, trial, work, state), trial, state, work):
-        return LEAPS
+        return BRANCH_LOST
     is_dip = trial.dip_ratio < DIPPED_RATIO_PART * smaller(first, last)
     part, slope = sign_change(trial)
     is_falling = is_dip or slope > 0.0 or falls_to(FALLEN_RATIO_PART, trial, state, work)
     if not is_falling and not smaller(first, last) < SMALL_RATIO_PART * most:
-        return STAYS
+        return ON_BRANCH
     far = 0.0 if is_falling else FAR_WAY_PART * math.sqrt(larger(first, last) / most)
     if not is_falling and not work.w.way_of(trial.h, state.y, work.y) > far:
-        return STAYS
+        return ON_BRANCH
     if not tried.is_fixed and not is_short(LONGEST_NEAR_BRANCHES, trial, state, work):
-        return LEAPS
+        return BRANCH_LOST
     before, after, f = math.sqrt(first), math.sqrt(last), work.k[tried.m.stages]
     if not slope > 0.0:
         part = dipping_part(before, after, trial) if is_dip else meeting_part(before, after)
@@ -812,7 +812,7 @@ def is_tried(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
         return False
     if trial.is_whole and is_kept(trial):
         trial.branch = branch_of(tried, trial, work, state)
-        if trial.branch == LEAPS and not tried.is_fixed:
+        if trial.branch == BRANCH_LOST and not tried.is_fixed:
             trial.is_whole = not work.w.way_of(trial.h, state.y, work.y) > SHORTEST_BRANCH_WAY
     if not trial.is_whole:
         trial.error = REFUSED_ERROR

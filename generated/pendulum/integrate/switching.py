@@ -337,7 +337,7 @@ def displace_by_rounding(times: float, y: Array, f: Array, state: State, work: W
     length = scene.length * scale_by_distance(state.y, scene)
     y[:] = state.y
     y[scene.shifts[:, 0]] += part * scattered(np.arange(float(len(scene.shifts)))) * length
-    for index, _, count in scene.turns.tolist():
+    for index, _, count in scene.orientations.tolist():
         y[index : index + count] += part * scattered(np.arange(float(index), index + count))
     y[scene.nq :] += part * scattered(np.arange(float(scene.nv))) * (state.fastest * scene.lengths)
     forget_trials(work)

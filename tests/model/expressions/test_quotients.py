@@ -33,7 +33,7 @@ def test_bounds_are_those_of_the_limit(text: str) -> None:
     _, (quotient,) = without_quotients(formula, SPANS)
     assert quotient.order == LIMITS[text]
     rate = derivative(formula, "t")
-    bounds = quotient.bounds(rate, derivative(quotient.place, "t"), SPANS)
+    bounds = quotient.bounds(rate, derivative(quotient.vanishing_argument, "t"), SPANS)
     for first, last in ((4.9, 5.2), (4.99, 5.0), (5.0, 5.001), (4.8, 4.81), (5.05, 5.06)):
         times = [CONTEXT.mpf(time) for time in np.linspace(first, last, 8)[1:-1]]
         for name, one in ((quotient.name, formula), (quotient.rate, rate)):
@@ -56,7 +56,7 @@ def test_a_quotient_of_a_quotient_varies_with_it() -> None:
 def test_what_varies_beside_is_a_factor() -> None:
     formula = parse_expression("t*sin(t - k)/(3*(t - k))", ["t", "k"])
     anew, (quotient,) = without_quotients(formula, SPANS)
-    assert quotient.whole == parse_expression("sin(t - k)/(3*(t - k))", ["t", "k"])
+    assert quotient.formula == parse_expression("sin(t - k)/(3*(t - k))", ["t", "k"])
     assert anew == mul(symbol("t"), symbol(quotient.name))
 
 

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from kousoku.codegen.dynamics.assembly.block_factors import BlockFactors, Pattern
-from kousoku.codegen.dynamics.assembly.fixed_points import Accelerated
+from kousoku.codegen.dynamics.assembly.fixed_points import AndersonAcceleration
 from kousoku.codegen.dynamics.assembly.newton_double import DoublePose
 from kousoku.codegen.dynamics.assembly.pose import Pose
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.redundancy import freedom
-from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
+from kousoku.codegen.dynamics.redundancy.freedom import mobility_of
 from kousoku.model.numbers import precise
 from tests.analysed import all_rows
 
@@ -60,10 +60,10 @@ def test_large_loops_are_known_where_sparse_factors_show_that_no_row_depends(
 ) -> None:
     monkeypatch.setattr(freedom, "MOST_SEARCHED_ROWS", 10)
     system = mechanisms.four_bars(5)
-    in_plane = freedom_of(system, all_rows(system).outline)
+    in_plane = mobility_of(system, all_rows(system).outline)
     again = replace(system.constraints[0], joint="again")
     twice = replace(system, constraints=(*system.constraints, again))
-    doubled = freedom_of(twice, all_rows(twice).outline)
+    doubled = mobility_of(twice, all_rows(twice).outline)
 
     assert (in_plane.degrees, in_plane.unknown) == (1, ())
     assert "again" in doubled.unknown
@@ -84,7 +84,7 @@ def test_a_place_in_doubles_moves_as_a_pose_in_fifty_digits(mechanisms: SimpleNa
 def test_a_fixed_point_is_found_in_fewer_steps() -> None:
     """Of x ← cos x, component by component, where each step alone gains a sixth of a digit."""
 
-    def steps(accelerated: Accelerated | None) -> int:
+    def steps(accelerated: AndersonAcceleration | None) -> int:
         x = np.linspace(0.0, 1.0, 4)
         for count in range(200):
             value = np.cos(x)
@@ -94,4 +94,4 @@ def test_a_fixed_point_is_found_in_fewer_steps() -> None:
         return 200
 
     assert steps(None) > 60
-    assert steps(Accelerated(np.ones(4))) < 20
+    assert steps(AndersonAcceleration(np.ones(4))) < 20

@@ -153,7 +153,7 @@ def test_energy_of_springs_and_forces_changes_as_their_work_says(
     free = (("stiffness", (70.0,)), ("damping", (0.0,)), ("free_length", (0.8,)))
     elastic = replace(spring("s", 0, 2), constants=(("s_i_b", S_I), ("s_j_b", S_J), *free))
     system = replace(mechanisms.chain(3), forces=(elastic, force("force", 1)))
-    assert not any(one.works for one in system.forces)
+    assert not any(one.is_nonconservative for one in system.forces)
     workspace = ProgramInterpreter(compose(all_rows(system), ["energies"]))
     workspace["v"] = list(rng.normal(size=len(workspace["v"])))
     workspace.run("geometry", "velocity")
@@ -183,7 +183,7 @@ def test_energy_of_springs_and_forces_changes_as_their_work_says(
     ids=lambda one: one.name,
 )
 def test_work_that_no_potential_holds_is_known(element: ForceElement) -> None:
-    assert element.works
+    assert element.is_nonconservative
 
 
 def in_plane(height: float) -> ForceElement:

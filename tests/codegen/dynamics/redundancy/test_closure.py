@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from kousoku.codegen.dynamics.generate import compose_scene
-from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
+from kousoku.codegen.dynamics.redundancy.freedom import mobility_of
 from kousoku.codegen.dynamics.redundancy.nearly import nearly_implied, with_consistent_start
 from kousoku.model.errors import SceneError
 from kousoku.model.lowering.system import system_of
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.dynamics.generate import Composed
-    from kousoku.codegen.dynamics.redundancy.freedom import Freedom
+    from kousoku.codegen.dynamics.redundancy.freedom import Mobility
 
 TURN = np.linalg.qr(np.array([[1.0, 0.4, 0.2], [0.3, -1.0, 0.7], [0.1, 0.5, 1.0]]))[0]
 #: Corners and axes of the linkage of Bricard, along edges of a cube.
@@ -94,9 +94,9 @@ def made(text: str, *wanted: str) -> Composed:
     return compose_scene(scene_from_toml(text), wanted)
 
 
-def freedom(text: str) -> Freedom:
+def freedom(text: str) -> Mobility:
     system = with_consistent_start(system_of(scene_from_toml(text), ()))
-    return freedom_of(system, all_rows(system).outline)
+    return mobility_of(system, all_rows(system).outline)
 
 
 @pytest.mark.parametrize("lean", [1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5])

@@ -11,7 +11,7 @@ import pytest
 
 from kousoku.codegen.dynamics.assembly.assemble import assemble
 from kousoku.codegen.dynamics.composition.compose import compose
-from kousoku.codegen.dynamics.redundancy.freedom import Freedom, freedom_of
+from kousoku.codegen.dynamics.redundancy.freedom import Mobility, mobility_of
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
 from kousoku.codegen.dynamics.redundancy.rank import damped_change, factorise, rows_to_leave
 from kousoku.model.lowering.system import system_of
@@ -34,8 +34,8 @@ def made(mechanisms: SimpleNamespace) -> SimpleNamespace:
     return mechanisms
 
 
-def of(system: System, *, may_be_planar: bool = False) -> Freedom:
-    return freedom_of(system, all_rows(system, may_be_planar=may_be_planar).outline)
+def of(system: System, *, may_be_planar: bool = False) -> Mobility:
+    return mobility_of(system, all_rows(system, may_be_planar=may_be_planar).outline)
 
 
 def bricard() -> System:

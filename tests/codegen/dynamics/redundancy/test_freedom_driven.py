@@ -17,7 +17,7 @@ from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.explanation.structure import structure_of
 from kousoku.codegen.dynamics.redundancy.branch import Branch
 from kousoku.codegen.dynamics.redundancy.constant_rows import require_constant_rows_hold
-from kousoku.codegen.dynamics.redundancy.freedom import Freedom, freedom_of
+from kousoku.codegen.dynamics.redundancy.freedom import Mobility, mobility_of
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
 from kousoku.model.errors import AssemblyError, SceneError
 from kousoku.model.lowering.system import system_of
@@ -35,9 +35,9 @@ X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 SOLID = {"mass": 1, "inertia": {"xx": 1, "yy": 1, "zz": 1}}
 
 
-def of(system: System, *, may_be_planar: bool = True) -> Freedom:
+def of(system: System, *, may_be_planar: bool = True) -> Mobility:
     system = assemble(system)
-    return freedom_of(system, all_rows(system, may_be_planar=may_be_planar).outline)
+    return mobility_of(system, all_rows(system, may_be_planar=may_be_planar).outline)
 
 
 def hinge(i: str, j: str, x: float, y: float) -> Tree:

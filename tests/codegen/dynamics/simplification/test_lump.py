@@ -171,7 +171,7 @@ def test_what_is_fixed_to_the_ground_has_no_columns_and_keeps_its_energy(
     assert found.carried[0].carrier == GROUND_INDEX
     assert found.carried[0].origin_b == system.bodies[0].r
     assert found.forces == ()
-    assert found.resting == -2.0
+    assert found.static_potential == -2.0
     joint = next(one for one in found.constraints if one.joint == "j1")
     assert (joint.i, dict(joint.constants)["s_i_b"]) == (GROUND_INDEX, (1.0, 0.0, 0.0))
 
@@ -191,7 +191,7 @@ def test_a_spring_in_one_body_is_energy_only_where_no_work_is_told(
     if damping:
         assert found == system
     else:
-        assert (found.forces, found.resting) == ((), 1.0)
+        assert (found.forces, found.static_potential) == ((), 1.0)
 
 
 def test_a_fixed_joint_whose_reactions_are_wanted_stays(mechanisms: SimpleNamespace) -> None:

@@ -14,7 +14,7 @@ LIGHT = 1e-4
 """A body of less than this part of the masses of two neighbours, or moments, costs four digits."""
 
 
-def is_uneven(system: System) -> bool:
+def has_extreme_mass_ratio(system: System) -> bool:
     """Whether a body is much lighter than two bodies, or a body and the ground, it joins.
 
     The inverse of its mass then outweighs theirs in the rows of both joints, and the elimination of
