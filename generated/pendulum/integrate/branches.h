@@ -1,23 +1,30 @@
 /* Branches: whether a step stays on its branch of the motion where another one meets it, or comes
  * near. */
 
-/* what rows may be off a smooth way, in lengths and radians. A gap between branches of as much as
- * that, times the distance at which it is looked for, is none: about 1e-14, which is rounding */
+/* largest correction of places of a smooth way onto the rows, in lengths of the scene or radians */
 #define OFF_WAY 1e-9
+/* largest gap between branches that is rounding: the correction times the distance from the place
+ * where branches meet at which it is found */
 #define NO_GAP 1e-14
-/* how far beside the place where branches meet that is seen, in a step; how much nearer each time,
- * and in lengths and radians at last; how often */
+/* first distance from the place where branches meet at which a gap is looked for, relative to the
+ * step */
 #define FIRST_DISTANCE 0.03
+/* factor of this distance from each approach to the next */
 #define DISTANCE_FACTOR 0.1
+/* distance at which no gap is looked for any more where drivers determine the motion, in lengths of
+ * the scene or radians */
 #define NEAREST_DISTANCE 1e-5
+/* largest number of approaches; a step that is undecided then may end on another branch */
 #define MOST_APPROACHES 12
-/* what rows may be off, of the distance from such a place, where that is not in a step; and how
- * many times larger one root at the ends may be than the other: drivers that turn back hide one */
+/* largest correction onto the rows, relative to the distance from the singularity, where the
+ * singularity lies outside the step */
 #define FAR_ERROR_PART 1e-2
+/* largest ratio of the roots of branch ratios at the ends of a driven step, where the singularity
+ * lies outside the step: drivers that turn back hide one inside */
 #define LARGEST_ROOT_RATIO 2.0
 
-/* what is known of a step: it may end on another branch, it stays on its own, or goes straight on
- * where another one meets it, or comes nearer than rounding tells */
+/* verdicts on a step: it may end on another branch, it stays on its own, or goes straight on where
+ * another one meets it, or comes nearer than rounding tells */
 enum { BRANCH_LOST, ON_BRANCH, BIFURCATION };
 
 /* Newton's polynomial through n coordinates at parts x of a step: q at a part of it */
@@ -70,11 +77,12 @@ static double correct_path(size_t *count, double *x, double c[][ROOM(NQ)], doubl
     return off;
 }
 
-/* what is known of a step of length h to y and f. Roots of pivot ratios go with the distance from
- * a place where branches meet, about at a part of the step and with a slope. Where they do meet
- * the way leads straight on: it is smooth, and rows hold all along, as near to the place as one
- * looks. Where they miss each other by little, rows do not hold on the way from one to the other,
- * the less the nearer to the place: ways over there bend sharply, and end elsewhere */
+/* verdict on a step of length h to y and f. Branches meet, or nearly, at about this part of it; the
+ * slope is that of roots of branch ratios there, which go with the distance from a place where
+ * branches meet. Where they do meet, the way leads straight on: it is smooth and satisfies the
+ * rows, as near to the place as one looks. Where they miss each other by little, a smooth way from
+ * one to the other violates the rows, the more the nearer to the place: the branch itself bends
+ * sharply there, and ends elsewhere */
 static int follow_branch(
     double h, const double *y, const double *f, double part, double slope, Work *work, State *s)
 {
@@ -117,7 +125,7 @@ static int follow_branch(
     return BRANCH_LOST;
 }
 
-/* notes what is known of a step to a time: that it may have leapt, or that branches meet */
+/* notes the verdict on a step to a time: that it may have leapt, or that branches meet */
 static void note_branch(double time, int found, State *s)
 {
     if (found == BRANCH_LOST) {

@@ -1,9 +1,9 @@
 """Branches: whether a step stays on its branch of the motion where another one meets it, or nearly.
 
-Roots of pivot ratios go with the distance from a place where branches meet. Where they do meet the
-way leads straight on: it is smooth, and rows hold all along, as near to the place as one looks.
-Where they miss each other by little, rows do not hold on the way from one to the other, the less
-the nearer to the place: ways over there bend sharply, and end elsewhere.
+Roots of branch ratios go with the distance from a place where branches meet. Where they do meet,
+the way leads straight on: it is smooth and satisfies the rows, as near to the place as one looks.
+Where they miss each other by little, a smooth way from one to the other violates the rows, the more
+the nearer to the place: the branch itself bends sharply there, and ends elsewhere.
 """
 
 from __future__ import annotations
@@ -24,20 +24,26 @@ if TYPE_CHECKING:
     from .scene_tables import Work
     from .state import State
 
-#: Largest correction of places of a smooth way onto the rows, in lengths and radians. A gap between
-#: branches is none where it, times the distance at which it is looked for, is below the second:
-#: that is rounding.
+#: Largest correction of places of a smooth way onto the rows, in lengths of the scene or radians.
 OFF_WAY = 1e-9
+#: Largest gap between branches that is rounding: the correction times the distance from the place
+#: where branches meet at which it is found.
 NO_GAP = 1e-14
-#: Distance from the place where branches meet at which gaps are looked for first, in a step; its
-#: factor from time to time, the last one, in lengths and radians, and how often it is tried.
+#: First distance from the place where branches meet at which a gap is looked for, relative to the
+#: step.
 FIRST_DISTANCE = 0.03
+#: Factor of this distance from each approach to the next.
 DISTANCE_FACTOR = 0.1
+#: Distance at which no gap is looked for any more where drivers determine the motion, in lengths of
+#: the scene or radians.
 NEAREST_DISTANCE = 1e-5
+#: Largest number of approaches; a step that is undecided then may end on another branch.
 MOST_APPROACHES = 12
-#: Largest correction, relative to the distance from such a place, where that is not in a step; and
-#: largest ratio of the roots at its ends: drivers that turn back hide one.
+#: Largest correction onto the rows, relative to the distance from the singularity, where the
+#: singularity lies outside the step.
 FAR_ERROR_PART = 1e-2
+#: Largest ratio of the roots of branch ratios at the ends of a driven step, where the singularity
+#: lies outside the step: drivers that turn back hide one inside.
 LARGEST_ROOT_RATIO = 2.0
 #: Verdicts on a step: it may end on another branch, it stays on its own, or goes straight on where
 #: another one meets it, or comes nearer than rounding tells.
@@ -116,7 +122,8 @@ def follow_branch(
 ) -> int:
     """Verdict on a step of length h [s] to y (ny,) and f = ẏ (ny,), one of those above.
 
-    About at a part of it, with a slope of the roots of pivot ratios [-], branches meet, or nearly.
+    Branches meet, or nearly, at about this part of it; the slope [-] is that of roots of branch
+    ratios there.
     """
     forget_trials(work)
     x, c = begin_path(h, state.y, state.f, y, f, work.scene.nq)

@@ -119,7 +119,7 @@ static int advance(
     if (status != GOOD) return status;
     if (asked < s->time) {
         prepare_dense(m, work, s);
-        if (has_driven_works(m)) add_driven_rows(s, work);
+        if (has_driven_works(m)) add_driven_rows(m, s, work);
     }
     if (N_NARROW > 0) note_steepness(start, end, s, work);
     return GOOD;

@@ -1,80 +1,96 @@
-/* Crossing: steps end where events are and where formulas of the state have a kink or a jump.
- *
+/* Crossing: steps end where events are and where formulas of the state have a kink or a jump. *
  * This is event location: a step that was tried is searched before it is kept. Its polynomial, the
- * dense output, tells at some times what formulas read: coordinates, lengths of springs, their
- * rates. That bounds them between these times, and they bound the functions and their rates, as of
- * switching functions of time. What is nearer to zero than the error of a step may be counts as
- * zero: a function crosses when it is beyond on the other side. Where bounds tell that one crosses
- * once its time is bisected. Then the step is made again, to end there. Parts of formulas that vary
- * with the state beyond polynomials are bounded likewise: where samples do not tell how, the step
- * is made shorter. */
+ * dense output, gives at some times what formulas read: coordinates, lengths of springs, their
+ * rates. Bounds of these between the times bound the functions and their rates, as of switching
+ * functions of time. Values that are nearer to zero than the error of a step count as zero: a
+ * function crosses when it is beyond on the other side. Where bounds show that one crosses once,
+ * its time is bisected. Then the step is made again, to end there. Parts of formulas that vary with
+ * the state beyond polynomials are bounded likewise: where samples do not show how, the step is
+ * made shorter. */
 
-/* the smallest step, relative to the time */
+/* smallest step, relative to the time, and rounding of values, relative to their size */
 #define SMALLEST 1e-15
 /* a step, or an interval of one, that comes within 1e-7 of its length to the last time ends there:
  * no sliver is left */
 #define STRETCH_TO_END 1.0000001
-/* how many smallest steps a cut is behind the start at least, and the first trial of a step */
+/* shortest step to a cut, and shortest first trial of a step, in smallest steps */
 #define ONWARD 8.0
-/* in how many parts a step is searched, and how many nodes there are at most */
+/* smallest number of intervals in which a step is searched */
 #define CELLS 4
+/* largest number of intervals that are looked at in one search */
 #define MOST_NODES 512
-/* second derivatives may be so much further from those of a cubic polynomial as it is from a
- * parabola */
+/* second derivatives of what formulas read are taken to lie within this many times their rise in
+ * the cubic polynomial, above and below their mean */
 #define DOUBT 2.0
-/* how much bounds may exceed what samples tell */
+/* samples resolve a part if the sum over all cells of the width of its rate bounds, times the
+ * length of the cell, is at most this many times the range of the samples */
 #define EXPLAINED 2.0
-/* how much the variation of a part may, as its bounds tell, of what samples show: a hill between
- * them goes up and down, and has twice of it */
+/* where formulas switch and an error is known, samples also resolve a part if the sum over all
+ * cells of the width of its value bounds is at most this many times their range: a hill between two
+ * samples goes up and down, and would make it twice */
 #define SHOWN 1.5
-/* where rates change by more than this part of that, parts vary between few samples */
+/* samples are few for a part if the sum that EXPLAINED bounds is more than this many times their
+ * range */
 #define SMOOTH 0.25
-/* what always may be left, by the size of a part; of a force also what moves the lightest body by
- * this part of the tolerance, of LENGTH */
+/* negligible variation of a part, relative to its size */
 #define NEGLIGIBLE_VARIATION 1e-12
+/* negligible variation of a force: it moves the lightest body by this part of the tolerance, in
+ * lengths of the scene */
 #define NEGLIGIBLE_MOTION 1e-3
-/* a part that changes by less than this part of it in an interval needs no samples */
+/* a part needs no samples in an interval where its bounds differ by less than this part of its
+ * size */
 #define STEADY 0.5
-/* bounds are loose everywhere where none of the cells has more than this part of it */
+/* bounds count as evenly loose if no cell has more than this part of all by which they exceed the
+ * change of samples: a hill between two samples makes one cell stand out */
 #define UNEVEN 0.5
-/* the shortest interval in which a part is looked at, in a step: what is narrower has no bounds */
+/* shortest interval in which the variation of a part is looked at, relative to the step: narrower
+ * ones have no bounds */
 #define FINEST 1e-9
-/* the part of a step by which an event may be off where the step was cut, to be found again */
+/* largest distance of an event that is located again from the cut, relative to the step */
 #define SMALL 1e-3
-/* a function that passes zero is so much larger this much further away from it; where it jumps it
- * is not, nor where it is infinite; it is looked at from so many roundings of time on */
+/* ratio of two distances from a crossing at which a function is compared */
 #define FURTHER 8.0
+/* a function passes zero if it is at least this many times as large at the larger of these
+ * distances; one that jumps there, or is infinite, is not */
 #define LARGER_THERE 1.5
+/* smallest of these distances, in roundings of the time */
 #define ROUNDINGS 64.0
-/* a step in which what was near to zero gets on a side within this part of it ends there */
+/* a step ends where a function that was near to zero takes a side, if that is within this part of
+ * the step */
 #define SOON 0.1
-/* the loosest tolerance to which places are known, and of steps from a switch to the next: forces
- * that switch soon again are narrow, and estimates are blind to what acts for a stage or two. It is
- * that of all steps behind kinks where no force jumps: friction that holds switches all the time */
+/* loosest tolerance to which values are known in a search, and loosest tolerance of steps from a
+ * switch to the next: forces that switch again soon are narrow, and estimates are blind to what
+ * acts for a stage or two. It also applies to each step from a kink where no force jumps: friction
+ * that holds switches all the time */
 #define LOOSEST_AT_SWITCH 1e-5
-/* what rates are known to of a length in the longest step so far, in units of the tolerance: in a
- * short one rates of what does move are no better known, and no worse */
+/* speed that is added to rates to scale their errors, in lengths of the scene or radians over the
+ * longest step so far: in a short step the rates of what moves are no better known, and no worse */
 #define SLOW 1e-4
-/* where it is infinite a part of a force is so much larger that much nearer to the place: 1/x is
- * FURTHER times as large; from one distance to the next that factor changes by no more than this */
+/* a part of a force is infinite at a place if it grows by more than this factor each time one comes
+ * FURTHER times nearer: 1/x grows by FURTHER */
 #define STEEP 7.0
+/* two such growth factors in succession differ by at most this ratio where a part is infinite */
 #define EVENLY 1.5
-/* a step that leads over such a place is made again, over this part of the way there; a run ends
- * where the way is this part of its longest step */
+/* a step that leads over a pole of a force is made again, over this part of the way to the pole */
 #define CLOSER 0.9
+/* a run ends where the way to a pole is at most this part of its longest step. An event that is
+ * back at zero within this part of it may have been thrown back */
 #define NO_WAY 1e-6
-/* a function is near to zero where it is less than so many times what it is known to; what that is
- * further away tells nothing of how near it comes between */
+/* a function is near to zero at a node where it is less than this many times its noise; the noise
+ * at other nodes tells nothing of how near it comes to zero between them */
 #define BANDS 16.0
-/* an event that goes through a narrow window was on the other side this many times as long ago as
- * it passed zero, and has been in the window this many times as long */
+/* time of a look back at an event that is back at zero, in units of the time since it passed zero:
+ * one that has gone evenly through a narrow window was outside of it then */
 #define EARLIER 1.5
+/* times of a second look back and of one ahead, in the same unit: such an event was in the window
+ * then, and will be outside again */
 #define HALF 0.5
-/* what gets further than so many times what it is known to passes by, as fast as it is at a time:
- * in the longest step, and before it comes to rest. So it is with rates, as fast as they change */
+/* a zero is transversal if at its speed the value leaves this many times its noise, within the
+ * longest step so far and before it comes to rest; the same holds for a rate, which changes as fast
+ * as it does. Such values are known to rounding */
 #define PASSING 16.0
-/* a stage that counts tells of a contact where its accelerations would change speeds by more than
- * this part in the step: for less errors tell enough */
+/* a stage with weight at the end of a step is searched for a contact if its accelerations change
+ * speeds by more than this part in the step: for less the error tells enough */
 #define PUSHED 0.1
 
 enum {
@@ -106,51 +122,53 @@ typedef struct {
 
 /* the search for crossings in a step, whose polynomial is in the state */
 typedef struct {
-    /* where the step was cut [s] */
+    /* time at which the step was cut [s] */
     double cut;
     /* how it was made: its method, start and length [s] */
     const Method *m;
     double start, h;
-    /* at which part of it at least it may be cut */
+    /* earliest part of the step at which it may be cut */
     double least_part;
     double tolerance; /* of the run */
-    /* what crosses within this time crosses together [s] */
+    /* time within which crossings count as one [s] */
     double slack;
-    /* what values are known to, in the motion and in its polynomial: the noise and rounding of each
-     * number that is read and of its rate */
+    /* errors of each number that is read and of its rate: in the motion, and in its polynomial */
     double noise[ROOM(N_READ)], rounding[ROOM(N_READ)];
-    /* of the numbers that each is made of: rounding is of these, however small it is */
+    /* sizes of the terms that each number read is made of: its rounding is relative to these,
+     * however small the number is */
     double sizes[ROOM(N_MEASURES)];
-    /* second derivatives of what is read: in the mean, by how much more at the end, at most */
+    /* second derivatives of what is read: their mean, rise above it at the end, and bound */
     double second_mean[ROOM(N_MEASURES)];
     double second_rise[ROOM(N_MEASURES)];
     double second_bound[ROOM(N_MEASURES)];
-    /* what rates are known to, for their change: to no more than they have been */
+    /* errors of rates by which it is decided whether they pass by: at most what rates have been */
     double rate_noise[ROOM(N_MEASURES)];
-    /* which functions cross, and crossed where it was cut */
+    /* whether each function crosses in the step, and crossed where the step was cut */
     int crosses[ROOM(N_FUNCTIONS)], was_crossing[ROOM(N_FUNCTIONS)];
-    /* of which events it starts short of zero, where an earlier step ended for them */
+    /* whether each event has been noted by an earlier step that ended a little before its zero */
     int is_short[ROOM(N_FUNCTIONS)];
-    /* whether samples leave open how narrow parts vary somewhere in it */
+    /* whether samples do not resolve how parts vary with the state somewhere in the step */
     int is_unresolved;
-    /* whether a narrow part varies in it between few samples */
+    /* whether samples are few for how such a part varies in the step */
     int is_coarse;
-    /* whether an error tells how much of it is missed */
+    /* whether formulas switch and the error decides how long the step is */
     int has_error;
-    /* whether it is kept if nothing cuts it */
+    /* whether the error of the step is within the tolerance */
     int is_kept;
-    /* the event without a value right behind its start, counted from 1, 0 where all have one */
+    /* 1-based index of the event without a value right behind the start; 0: none */
     int undefined;
-    /* the function that is zero in it where a force is infinite, from 1, 0: none; when [s] */
+    /* 1-based index of the function that is zero where a force is infinite, 0: none; its time
+     * [s] */
     int pole;
     double pole_time;
-    /* how often it was cut for distances and jumps, where last, and for which place [s] */
+    /* number of times that the step was cut for distances and jumps; end of the last such cut, and
+     * the time of the distance or jump that it was made for [s] */
     int place_cuts;
     double place_cut, place;
-    /* whether it only leads over that */
+    /* whether a step to this cut only leads over the distance or jump */
     int is_over;
-    /* until when functions first cross in it at which a force jumps, infinite where none does [s]
-     * */
+    /* upper bounds of the first crossing of each function at which a force jumps, or infinite
+     * [s] */
     double breaks[ROOM(N_BREAKS)];
 } Search;
 
@@ -219,8 +237,7 @@ static double second_at(size_t k, double time, const Search *search)
     return change - 2.0 * search->rounding[2 * k + 1] / h;
 }
 
-/* whether what is as fast, and accelerates at most so much, gets further than what it is known
- * to */
+/* whether a value of such a speed and bound of acceleration gets far beyond its noise */
 static int passes_by(
     double speed, double acceleration, double noise, const Search *search, const State *s)
 {
@@ -243,9 +260,9 @@ static void noise_at(
     }
 }
 
-/* the node at a time of the motion: of what passes by there its polynomial tells where it is,
- * however far off that may be, and of a rate that does what it is, so that nothing that is narrower
- * is passed over. Where a force may be infinite places are known to the noise */
+/* the node at a time of the motion. Values and rates that pass by are taken from the polynomial,
+ * with its rounding, however far off it may be, so that nothing narrower than the noise is passed
+ * over. All others have the noise, and so have all where a force may be infinite */
 static void node_at(double time, const Search *search, const State *s, Work *work, TimeNode *node)
 {
     double noise[ROOM(N_READ)];
@@ -258,10 +275,11 @@ static void node_at(double time, const Search *search, const State *s, Work *wor
     evaluate_node(noise, time, work->w, node);
 }
 
-/* when a stage, from a first one on, is beyond a switch that the polynomial does not meet until
- * seen, as in a contact that the step leads over: what acts there has thrown it off, and it tells
- * nothing; seen, if none is. Of those that count at the end of the step, whose error is told, these
- * do that change speeds; at a jump none, which throws back what passes it a little */
+/* time of a stage, from a first one on, beyond a switch that its polynomial does not meet. Such a
+ * stage is in a contact that the step leads over: the force there makes the polynomial useless. If
+ * there is none, it is the time up to which the step is seen. A stage with weight at the end of the
+ * step, where the error tells of it, counts only if it changes speeds; and no such stage counts
+ * beyond a jump, which throws back what passes it a little */
 static double stage_beyond(
     size_t first, double seen, const Search *search, const State *s, Work *work)
 {
@@ -372,8 +390,8 @@ static double half_width(const TimeNode *node, size_t k)
     return 0.5 * (node->most[k] - node->least[k]);
 }
 
-/* whether an event that a step starts short of is no further from zero than the noise: it was noted
- * where an earlier step ended for it, and there is nothing to go back from */
+/* whether an event that a step starts short of is no further from zero than the noise. An earlier
+ * step ended for this event and noted it: it does not cross back */
 static int is_still_short(
     size_t k, int side, double time, const Search *search, const State *s, Work *work)
 {
@@ -383,7 +401,7 @@ static int is_still_short(
     return side_at(&known, k) != -side;
 }
 
-/* what a function is known to at a node: an event that a step starts short of no more */
+/* half width of a function at a node, by the noise of an event that a step starts short of */
 static double band_at(
     size_t k, const TimeNode *node, const Search *search, const State *s, Work *work)
 {
@@ -474,15 +492,16 @@ static double domain_end(
     return end;
 }
 
-/* what values are known to where a function is looked for: an event is where the polynomial is
- * zero, and a force is infinite there */
+/* noise of values and rates with which the zero of a function is located. Events, and functions at
+ * whose zero a force is infinite, are located by the polynomial, with its rounding; the others are
+ * known to the noise of the motion */
 static const double *noise_of(size_t k, const Search *search)
 {
     return (int)k < EVENTS || (int)k >= N_SWITCHING ? search->rounding : search->noise;
 }
 
-/* the first time between two nodes at which a function that crosses does: those of events are zero
- * there, the others beyond it, so that what follows is all on the other side */
+/* the first time between two nodes at which a function that crosses does. An event is zero at this
+ * time; any other function is beyond zero, so that all that follows is on the other side */
 static double time_of(size_t k, const TimeNode *a, const TimeNode *b, const Search *search,
     const State *s, Work *work)
 {
@@ -533,9 +552,9 @@ static double first_time(
     return first;
 }
 
-/* whether a step begins where a function that has crossed is on the side that it left: a step ends
- * there where errors let it. Formulas are then those of that side, and the errors of a method can
- * be blind to its first stage */
+/* whether a step begins where a function that has crossed is on the side that it left. A step may
+ * end so, within its errors. Formulas are then those of the side that was left, and the error
+ * estimate of a method can be blind to its first stage */
 static int is_short_of(
     size_t k, const TimeNode *a, const Search *search, const State *s, Work *work)
 {
@@ -545,9 +564,9 @@ static int is_short_of(
     return side_at(&node, k) != (int)s->sides[k];
 }
 
-/* when the first function but for events is on a side that was near to zero so far: formulas at
- * zero, where jumps are, tell nothing of what follows; those that are near to it on that side
- * already do */
+/* first time at which a function that was near to zero, but no event, is on a side. Values of
+ * formulas at zero, where they may jump, tell nothing of what follows; values near to zero on the
+ * side that is taken do */
 static double first_departure(
     const TimeNode *a, const TimeNode *b, const Search *search, const State *s, Work *work)
 {
@@ -584,9 +603,9 @@ static void sizes_beside(
     for (size_t k = 0; k != N_INFINITE; ++k) sizes[k] = fabs(middle(&node, N_BOUNDED + k));
 }
 
-/* whether a force is infinite where a function gets on a side of zero at a time, so that no motion
- * leads through: it grows as 1/x or faster on a side. What is 0/0 there, or jumps, does not
- * grow, and what grows less, as 1/sqrt(x), has a finite integral */
+/* whether a force is infinite where a function gets on a side of zero at a time. No motion leads
+ * through such a place: the force grows as 1/x or faster on a side. A force that is 0/0 there, or
+ * jumps, does not grow, and one that grows less, as 1/sqrt(x), has a finite integral */
 static int is_infinite(
     size_t k, int side, double time, const Search *search, const State *s, Work *work)
 {
@@ -779,9 +798,9 @@ static double cut_at(double end, Search *search)
     return end;
 }
 
-/* by how much a function differs from one side of a time to the other, so far away in the
- * polynomial or beyond it; 0 where values, as far as they are known, are not on the sides of zero,
- * and negative where it gets on the other one */
+/* difference of a function from one side of a time to the other, so far away. Both values are in
+ * the polynomial, or beyond it. The difference is 0 where they are not surely on different sides of
+ * zero, and negative where the function goes to the opposite side */
 static double gap_across(size_t k, int side, double time, double far, int is_beyond,
     const Search *search, const State *s, Work *work)
 {
@@ -801,10 +820,10 @@ static double gap_across(size_t k, int side, double time, double far, int is_bey
 }
 
 /* whether an event that gets on a side of zero in a step to an end is zero there. Else it jumps, or
- * goes through infinity: right beside the place it is as large as further away, or larger. Where
- * rounding hides that it counts as zero. It may be beyond a short step, of whose end no more is
- * known, where its polynomial tells nothing. Where it gets on the other side rounding brought it
- * back over a jump that was passed */
+ * goes through infinity: right beside the place it is then as large as further away, or larger.
+ * Where rounding hides the difference it counts as zero. Distances may exceed a short step, beyond
+ * which its polynomial tells nothing: values and rates at its end are then continued. If the event
+ * goes to the opposite side, rounding brought it back over a jump that was passed */
 static int passes_zero(
     size_t k, int side, double end, const Search *search, const State *s, Work *work)
 {
@@ -858,11 +877,11 @@ static double polished_cut(const Search *search, const State *s, Work *work)
     return search->cut;
 }
 
-/* whether an event that passed zero is back there, where a jump of a force threw it back, as it
- * does all the time while dry friction holds a body at rest. Nothing got further meanwhile than it
- * is known to. On its way through a narrow window it goes on evenly: half as long ago as it passed
- * zero it was on the side that it leaves, before and soon it is on the other one. Where it was held
- * once that is not asked again */
+/* whether an event that passed zero is back there, where a jump of a force threw it back. Dry
+ * friction that holds a body at rest does that all the time. It is so if nothing has moved since
+ * the event passed zero by more than its noise, unless the event goes evenly through a narrow
+ * window: then it was on the side that it leaves half of this time ago, and is on the other one
+ * before and soon. An event that was held once is not asked again */
 static int is_thrown_back(size_t k, double end, const Search *search, State *s, Work *work)
 {
     const double way = end - s->crossed[k];
@@ -955,10 +974,11 @@ static void add_cell(double h, double sample, const double *bounds, VariationBou
     v->last = sample;
 }
 
-/* how well samples tell how a part varies, but for what counts as nothing: its rate changes by as
- * little as they do, or bounds leave it steady and are no looser in one cell than in all others, as
- * where a hill hides, or, where formulas switch and an error tells of what they change
- * by, it varies by no more than they show, as a root at whose end no rate is bounded */
+/* how well samples tell how a part varies, but for what counts as nothing. Samples resolve it in
+ * one of three ways: its rate bounds are narrow beside the range of the samples (EXPLAINED); its
+ * bounds are steady (STEADY) and no looser in one cell, where a hill may hide, than in the others
+ * (UNEVEN); or, where formulas switch and an error is known, its value bounds exceed the samples by
+ * little (SHOWN), as of a root, at whose end no rate is bounded */
 static int sampling_of(const VariationBounds *v, double steady, int has_error, double nothing)
 {
     const double range = v->most - v->least;

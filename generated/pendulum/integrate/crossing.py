@@ -33,74 +33,91 @@ if TYPE_CHECKING:
 
     Flags = npt.NDArray[np.bool_]
 
-#: The smallest step, relative to the time.
+#: Smallest step, relative to the time, and rounding of values, relative to their size.
 SMALLEST = 1e-15
 #: A step, or an interval of one, that comes within 1e-7 of its length to the last time ends there:
 #: no sliver is left.
 STRETCH_TO_END = 1.0000001
-#: How many smallest steps a cut is behind the start at least, and the first trial of a step.
+#: Shortest step to a cut, and shortest first trial of a step, in smallest steps.
 ONWARD = 8.0
-#: In how many parts a step is searched, and how many nodes there are at most.
+#: Smallest number of intervals in which a step is searched.
 CELLS = 4
+#: Largest number of intervals that are looked at in one search.
 MOST_NODES = 512
-#: Second derivatives are taken to be within so many times their rise in a cubic polynomial, above
-#: and below their mean.
+#: Second derivatives of what formulas read are taken to lie within this many times their rise in
+#: the cubic polynomial, above and below their mean.
 DOUBT = 2.0
-#: Factor by which bounds may exceed the variation of samples.
+#: Samples resolve a part if the sum over all cells of the width of its rate bounds, times the
+#: length of the cell, is at most this many times the range of the samples.
 EXPLAINED = 2.0
-#: Factor by which bounds of the variation of a part may exceed that of samples: a hill between them
-#: goes up and down, and has twice of it.
+#: Where formulas switch and an error is known, samples also resolve a part if the sum over all
+#: cells of the width of its value bounds is at most this many times their range: a hill between two
+#: samples goes up and down, and would make it twice.
 SHOWN = 1.5
-#: Where rates change by more than this part of that, parts vary between few samples.
+#: Samples are few for a part if the sum that EXPLAINED bounds is more than this many times their
+#: range.
 SMOOTH = 0.25
-#: Negligible variation, relative to the size of a part; of a force also what moves the lightest
-#: body by this part of the tolerance, of the length of the scene.
+#: Negligible variation of a part, relative to its size.
 NEGLIGIBLE_VARIATION = 1e-12
+#: Negligible variation of a force: it moves the lightest body by this part of the tolerance, in
+#: lengths of the scene.
 NEGLIGIBLE_MOTION = 1e-3
-#: A part whose relative change in an interval is smaller needs no samples.
+#: A part needs no samples in an interval where its bounds differ by less than this part of its
+#: size.
 STEADY = 0.5
-#: Bounds are loose everywhere where none of the cells has more than this part of it.
+#: Bounds count as evenly loose if no cell has more than this part of all by which they exceed the
+#: change of samples: a hill between two samples makes one cell stand out.
 UNEVEN = 0.5
 #: How well samples tell how parts vary.
 UNRESOLVED, COARSE, RESOLVED = 0, 1, 2
-#: The shortest interval in which a part is looked at, in a step: what is narrower has no bounds.
+#: Shortest interval in which the variation of a part is looked at, relative to the step: narrower
+#: ones have no bounds.
 FINEST = 1e-9
-#: The part of a step by which an event may be off the cut, to be located again.
+#: Largest distance of an event that is located again from the cut, relative to the step.
 SMALL = 1e-3
-#: At a distance larger by the first factor a function that passes zero is larger by the second; one
-#: that jumps there, or is infinite, is not. Distances begin at so many roundings of time.
+#: Ratio of two distances from a crossing at which a function is compared.
 FURTHER = 8.0
+#: A function passes zero if it is at least this many times as large at the larger of these
+#: distances; one that jumps there, or is infinite, is not.
 LARGER_THERE = 1.5
+#: Smallest of these distances, in roundings of the time.
 ROUNDINGS = 64.0
-#: A step in which a function that was near to zero takes a side within this part of it ends there.
+#: A step ends where a function that was near to zero takes a side, if that is within this part of
+#: the step.
 SOON = 0.1
-#: The loosest tolerance to which places are known, and of steps from a switch to the next: forces
-#: that switch soon again are narrow, and estimates are blind to what acts for a stage or two. It is
-#: that of all steps behind kinks where no force jumps: friction that holds switches all the time.
+#: Loosest tolerance to which values are known in a search, and loosest tolerance of steps from a
+#: switch to the next: forces that switch again soon are narrow, and estimates are blind to what
+#: acts for a stage or two. It also applies to each step from a kink where no force jumps: friction
+#: that holds switches all the time.
 LOOSEST_AT_SWITCH = 1e-5
-#: Errors of rates, in units of the tolerance, are at least this part of a length in the longest
-#: step so far: in a short one rates of what does move are no better known, and no worse.
+#: Speed that is added to rates to scale their errors, in lengths of the scene or radians over the
+#: longest step so far: in a short step the rates of what moves are no better known, and no worse.
 SLOW = 1e-4
-#: Where it is infinite a part of a force grows by more than the first factor, FURTHER times nearer
-#: to the place, as 1/x by FURTHER; the next such factor differs by no more than the second.
+#: A part of a force is infinite at a place if it grows by more than this factor each time one comes
+#: FURTHER times nearer: 1/x grows by FURTHER.
 STEEP = 7.0
+#: Two such growth factors in succession differ by at most this ratio where a part is infinite.
 EVENLY = 1.5
-#: A step that leads over such a place is made again, over this part of the way there; a run ends
-#: where the way is this part of its longest step.
+#: A step that leads over a pole of a force is made again, over this part of the way to the pole.
 CLOSER = 0.9
+#: A run ends where the way to a pole is at most this part of its longest step. An event that is
+#: back at zero within this part of it may have been thrown back.
 NO_WAY = 1e-6
-#: A function is near to zero where it is less than so many times its noise; noise further away
-#: tells nothing of how near it comes in between.
+#: A function is near to zero at a node where it is less than this many times its noise; the noise
+#: at other nodes tells nothing of how near it comes to zero between them.
 BANDS = 16.0
-#: An event that goes through a narrow window was on the other side this many times as long ago as
-#: it passed zero, and has been in the window this many times as long.
+#: Time of a look back at an event that is back at zero, in units of the time since it passed zero:
+#: one that has gone evenly through a narrow window was outside of it then.
 EARLIER = 1.5
+#: Times of a second look back and of one ahead, in the same unit: such an event was in the window
+#: then, and will be outside again.
 HALF = 0.5
-#: A value passes by where at its speed it gets further than so many times its noise: in the longest
-#: step, and before it comes to rest. So do rates, as fast as they change.
+#: A zero is transversal if at its speed the value leaves this many times its noise, within the
+#: longest step so far and before it comes to rest; the same holds for a rate, which changes as fast
+#: as it does. Such values are known to rounding.
 PASSING = 16.0
-#: A stage that counts tells of a contact where its accelerations would change speeds by more than
-#: this part in the step: for less errors tell enough.
+#: A stage with weight at the end of a step is searched for a contact if its accelerations change
+#: speeds by more than this part in the step: for less the error tells enough.
 PUSHED = 0.1
 
 
@@ -136,9 +153,9 @@ class TimeNode:
     Parameters
     ----------
     time : float [s]
-        When.
+        Time of the node.
     read : (n, 2) array
-        What formulas read, and its rate.
+        Values that formulas read, and their rates.
     least, most : (functions,) array
         Bounds of each function.
     """
@@ -158,47 +175,50 @@ class Search:
     state, work : State, Work
         Of the run.
     cut : float [s]
-        Where the step was cut.
+        Time at which the step was cut.
     m, start, h : RungeKuttaMethod, float [s], float [s]
         How it was made: its method, start and length.
     least_part : float
-        At which part of it at least it may be cut.
+        Earliest part of the step at which it may be cut.
     tolerance : float [-]
         Of the run.
     slack : float [s]
-        What crosses within it crosses together.
+        Time within which crossings count as one.
     noise, rounding : (n, 2) array
         Errors of each number that is read and of its rate: in the motion, and in its polynomial.
     sizes : (n,) array
-        Of the numbers that each is made of: rounding is of these, however small it is.
+        Sizes of the terms that each number read is made of: its rounding is relative to these,
+        however small the number is.
     second_mean, second_rise, second_bound : (n,) array
         Second derivatives of what is read: their mean, rise above it at the end, and bound.
     rate_noise : (n,) array
-        What rates are known to, for their change: to no more than they have been.
+        Errors of rates by which it is decided whether they pass by: at most what rates have been.
     crosses, was_crossing : array of bool
-        Which functions cross, and crossed where it was cut.
+        Whether each function crosses in the step, and crossed where the step was cut.
     is_short : array of bool
-        Of which events it starts short of zero, where an earlier step ended for them.
+        Whether each event has been noted by an earlier step that ended a little before its zero.
     is_unresolved : bool
-        Whether samples leave open how narrow parts vary somewhere in it.
+        Whether samples do not resolve how parts vary with the state somewhere in the step.
     is_coarse : bool
-        Whether a narrow part varies in it between few samples.
+        Whether samples are few for how such a part varies in the step.
     has_error : bool
-        Whether an error tells how much of it is missed.
+        Whether formulas switch and the error decides how long the step is.
     is_kept : bool
-        Whether it is kept if nothing cuts it.
+        Whether the error of the step is within the tolerance.
     undefined : int
-        The event without a value right behind its start, counted from 1, 0 where all have one.
+        1-based index of the event without a value right behind the start; 0: none.
     pole : int
-        The function that is zero in it where a force is infinite, counted from 1, 0: none.
+        1-based index of the function that is zero where a force is infinite; 0: none.
     pole_time : float [s]
-        When that is.
-    place_cuts, place_cut, place : int, float [s], float [s]
-        How often it was cut for distances and jumps, where last, and the place that did so.
+        Time at which this function is zero.
+    place_cuts : int
+        Number of times that the step was cut for distances and jumps.
+    place_cut, place : float [s]
+        End of the last such cut, and the time of the distance or jump that it was made for.
     is_over : bool
-        Whether it only leads over that.
+        Whether a step to this cut only leads over the distance or jump.
     breaks : array [s]
-        Until when functions first cross in it at which a force jumps; infinite where none does.
+        Upper bounds of the first crossing of each function at which a force jumps, or infinite.
     """
 
     state: State
@@ -266,9 +286,9 @@ def read_at(time: float, search: Search) -> Array:
 def node_at(time: float, search: Search) -> TimeNode:
     """Node at a time of the motion.
 
-    Values and rates that pass by there are those of its polynomial, however far off that may be, so
-    that nothing that is narrower is passed over; others are known to the noise, as all are where a
-    force may be infinite.
+    Values and rates that pass by are taken from the polynomial, with its rounding, however far off
+    it may be, so that nothing narrower than the noise is passed over. All others have the noise,
+    and so have all where a force may be infinite.
     """
     read, n, n_poles = read_at(time, search), len(search.state.sides), search.work.scene.n_poles
     if n_poles:
@@ -289,7 +309,7 @@ def noise_at(time: float, read: Array, search: Search) -> Array:
 def passes_by(speeds: Array, accelerations: Array, search: Search) -> Flags:
     """Whether values of such speeds and bounds of accelerations get far beyond their noise.
 
-    Of values and of rates (n, 2), per second and per second squared.
+    Columns (n, 2) are of values, per second and its square, and of rates, one power higher.
     """
     far = PASSING * np.column_stack((search.noise[:, 0], search.rate_noise))
     is_far: Flags = speeds * larger(search.state.stride, search.h) > far
@@ -322,10 +342,10 @@ def evaluate_node(read: Array, noise: Array, time: float, w: Workspace) -> TimeN
 def stage_beyond(first: int, seen: float, search: Search) -> float:
     """Time [s] of a stage, from a first one on, beyond a switch that its polynomial does not meet.
 
-    So it is in a contact that the step leads over: what acts there has thrown the polynomial off,
-    and it tells nothing. If none is, it is the time up to which the step is seen. Of stages that
-    count at the end of the step, whose error is told, only those that change speeds are looked at,
-    and not at jumps, which throw back what passes them a little.
+    Such a stage is in a contact that the step leads over: the force there makes the polynomial
+    useless. If there is none, it is the time up to which the step is seen. A stage with weight at
+    the end of the step, where the error tells of it, counts only if it changes speeds; and no such
+    stage counts beyond a jump, which throws back what passes it a little.
     """
     m, state, work, scene = search.m, search.state, search.work, search.work.scene
     size_of, n_switching = work.w.size_of, len(state.sides) - scene.n_poles
@@ -523,7 +543,8 @@ def domain_end(a: TimeNode, b: TimeNode, search: Search) -> float:
 def noise_of(k: int, search: Search) -> Array:
     """Noise (n, 2) of values and rates with which the zero of a function is located.
 
-    An event is where the polynomial is zero, and a force is infinite there.
+    Events, and functions at whose zero a force is infinite, are located by the polynomial, with its
+    rounding; the others are known to the noise of the motion.
     """
     scene = search.work.scene
     is_exact = k < len(scene.events) or k >= len(search.state.sides) - scene.n_poles
@@ -533,8 +554,8 @@ def noise_of(k: int, search: Search) -> Array:
 def time_of(k: int, a: TimeNode, b: TimeNode, search: Search) -> float:
     """Time [s] between two nodes at which a crossing function first does so.
 
-    Those of events are zero there, the others beyond it, so that what follows is all on the other
-    side.
+    An event is zero at this time; any other function is beyond zero, so that all that follows is on
+    the other side.
     """
     side, first, last = -float(side_at(b)[k]), a.time, b.time
     is_event, noise = k < len(search.work.scene.events), noise_of(k, search).copy()
@@ -576,8 +597,8 @@ def first_time(a: TimeNode, b: TimeNode, search: Search) -> float:
 def is_short_of(k: int, a: TimeNode, search: Search) -> bool:
     """Whether a step begins where a function that has crossed is on the side that it left.
 
-    A step ends there where errors let it. Formulas are then those of that side, and the errors of a
-    method can be blind to its first stage.
+    A step may end so, within its errors. Formulas are then those of the side that was left, and the
+    error estimate of a method can be blind to its first stage.
     """
     if a.time != search.start:
         return False
@@ -589,8 +610,8 @@ def is_short_of(k: int, a: TimeNode, search: Search) -> bool:
 def first_departure(a: TimeNode, b: TimeNode, search: Search) -> float:
     """First time [s] at which a function that was near to zero, but no event, is on a side.
 
-    Formulas at zero, where jumps are, tell nothing of what follows; those that are near to it on
-    that side already do.
+    Values of formulas at zero, where they may jump, tell nothing of what follows; values near to
+    zero on the side that is taken do.
     """
     first, sides, now, before = math.inf, search.state.sides, side_at(b), middle(a)
     for k in range(len(search.work.scene.events), len(sides) - search.work.scene.n_poles):
@@ -617,8 +638,8 @@ def note_sides(a: TimeNode, search: Search) -> None:
 def is_still_short(sides: Array, time: float, search: Search) -> Flags:
     """Whether events that a step starts short of are no further from zero than the noise.
 
-    That is at a time [s], beyond zero as seen from sides (functions,). They were noted where that
-    step ended for them: there is nothing to go back from.
+    That is at a time [s], beyond zero as seen from sides (functions,). An earlier step ended for
+    these events and noted them: they do not cross back.
     """
     if not search.is_short.any():
         return search.is_short
@@ -733,8 +754,9 @@ def sizes_beside(offset: float, time: float, read: Array, search: Search) -> Arr
 def is_infinite(k: int, side: float, time: float, search: Search) -> bool:
     """Whether a force is infinite where a function gets on a side of zero at a time.
 
-    So that no motion leads through: it grows as 1/x or faster on a side. What is 0/0 there, or
-    jumps, does not grow, and what grows less, as 1/sqrt(x), has a finite integral.
+    No motion leads through such a place: the force grows as 1/x or faster on a side. A force that
+    is 0/0 there, or jumps, does not grow, and one that grows less, as 1/sqrt(x), has a finite
+    integral.
     """
     read, far = read_at(time, search), ROUNDINGS * SMALLEST * larger(abs(time), search.h)
     while (
@@ -779,8 +801,8 @@ def gap_across(
 ) -> float:
     """Difference of a function from one side of a time to the other, so far away.
 
-    That is in the polynomial, or beyond it. It is 0 where values, as far as they are known, are not
-    on the sides of zero, and negative where it gets on the other one.
+    Both values are in the polynomial, or beyond it. The difference is 0 where they are not surely
+    on different sides of zero, and negative where the function goes to the opposite side.
     """
     if is_beyond:
         read = read_at(time, search)
@@ -797,10 +819,11 @@ def gap_across(
 def passes_zero(k: int, side: float, end: float, search: Search) -> bool:
     """Whether an event that gets on a side of zero in a step to an end is zero there.
 
-    Else it jumps, or goes through infinity: right beside the place it is as large as further away,
-    or larger. Where rounding hides that it counts as zero. It may be beyond a short step, of
-    whose end no more is known, where its polynomial tells nothing. Where it gets on the other side
-    rounding brought it back over a jump that was passed.
+    Else it jumps, or goes through infinity: right beside the place it is then as large as further
+    away, or larger. Where rounding hides the difference it counts as zero. Distances may exceed a
+    short step, beyond which its polynomial tells nothing: values and rates at its end are then
+    continued. If the event goes to the opposite side, rounding brought it back over a jump that was
+    passed.
     """
     if search.work.scene.events[k, 2] == 0:
         return True
@@ -854,10 +877,10 @@ def polished_cut(search: Search) -> float:
 def is_thrown_back(k: int, end: float, search: Search) -> bool:
     """Whether an event that passed zero is back there, where a jump of a force threw it back.
 
-    So it is all the time while dry friction holds a body at rest. Nothing got further meanwhile
-    than it is known to. On its way through a narrow window it goes on evenly: half as long ago as
-    it passed zero it was on the side that it leaves, before and soon it is on the other one. Where
-    it was held once that is not asked again.
+    Dry friction that holds a body at rest does that all the time. It is so if nothing has moved
+    since the event passed zero by more than its noise, unless the event goes evenly through a
+    narrow window: then it was on the side that it leaves half of this time ago, and is on the
+    other one before and soon. An event that was held once is not asked again.
     """
     state, elapsed, read = search.state, end - search.state.crossed[k], read_at(end, search)
     speeds, known = np.column_stack((read[:, 1], search.second_mean)), search.noise[:, 0]
@@ -960,9 +983,10 @@ def add_cell(h: float, sample: Array, bounds: Array, variation: VariationBounds)
 def sampling_of(v: VariationBounds, steady: Array, nothing: Array, *, has_error: bool) -> int:
     """How well samples tell how all parts vary, but for what counts as nothing.
 
-    Their rates change by as little as they do, or bounds leave them steady and are no looser in one
-    cell than in all others, as where a hill hides, or, where formulas switch and an error tells of
-    what they change by, they vary by no more than samples show, as a root at whose end no rate is
+    Samples resolve a part in one of three ways: its rate bounds are narrow beside the range of the
+    samples (``EXPLAINED``); its bounds are steady (``STEADY``) and no looser in one cell, where a
+    hill may hide, than in the others (``UNEVEN``); or, where formulas switch and an error is known,
+    its value bounds exceed the samples by little (``SHOWN``), as of a root, at whose end no rate is
     bounded.
     """
     shown = v.most - v.least

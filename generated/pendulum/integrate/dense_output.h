@@ -33,27 +33,16 @@ static void add_dense_rows(const Method *m, double h, State *s, Work *work)
     }
 }
 
-/* where drivers determine the motion the powers at all stages are exact, and nothing but works has
- * an error: powers at all nodes of the method of order 5 tell them at every time to an order more
- * than they are known to at the end of a step; its polynomial has one less */
-static const double driven_rows[3][7] = {
-    { -4.114583333333333, 16.045026881720432, -12.758310871518418, 4.166666666666667,
-        -5.615585057821059, 0.0, 2.2767857142857144 },
-    { 3.2291666666666665, -14.78494623655914, 12.578616352201259, 5.208333333333333,
-        -11.231170115642119, 0.0, 5.0 },
-    { 3.90625, -25.201612903225808, 26.954177897574123, -39.0625, 46.79654214850883, 0.0,
-        -13.392857142857142 },
-};
+/* whether works at times inside of a step are summed from powers at its stages */
+static int has_driven_works(const Method *m) { return IS_DRIVEN && WORKS > 0 && m->work_rows > 0; }
 
-static int has_driven_works(const Method *m) { return IS_DRIVEN && WORKS > 0 && m->order == 5; }
-
-static void add_driven_rows(State *s, Work *work)
+static void add_driven_rows(const Method *m, State *s, Work *work)
 {
     const double h = s->time - s->time_before;
-    for (size_t n = 0; n < 3; ++n) {
+    for (size_t n = 0; n < m->work_rows; ++n) {
         for (size_t i = NQ - WORKS; i != NQ; ++i) s->dense[3 + n][i] = 0.0;
-        for (size_t k = 0; k < 7; ++k) {
-            const double factor = h * driven_rows[n][k];
+        for (size_t k = 0; k < m->all; ++k) {
+            const double factor = h * m->works[n * m->all + k];
             for (size_t i = NQ - WORKS; i != NQ; ++i) s->dense[3 + n][i] += factor * work->k[k][i];
         }
     }

@@ -6,8 +6,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .methods import row_of
-
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -15,15 +13,6 @@ if TYPE_CHECKING:
     from .methods import RungeKuttaMethod
     from .scene_tables import SceneTables, Work
     from .state import State
-
-#: Where drivers determine the motion the powers at all stages are exact, and nothing but works has
-#: an error: powers at all nodes of the method of order 5 tell them at every time to an order more
-#: than they are known to at the end of a step; its polynomial has one less.
-DRIVEN_ROWS = (
-    row_of("-395/96 23875/1488 -14200/1113 25/6 -295245/52576 0 255/112"),
-    row_of("155/48 -1375/93 2000/159 125/24 -295245/26288 0 5"),
-    row_of("125/32 -3125/124 10000/371 -625/16 2460375/52576 0 -375/28"),
-)
 
 
 def combine(n: int, row: Sequence[float], low: Array | None, h: float, k: Array, y: Array) -> None:
@@ -54,14 +43,14 @@ def add_dense_rows(m: RungeKuttaMethod, h: float, state: State, work: Work) -> N
 
 def has_driven_works(m: RungeKuttaMethod, scene: SceneTables) -> bool:
     """Whether works at times inside of a step are summed from powers at its stages."""
-    return scene.is_driven and scene.works > 0 and m.order == 5
+    return scene.is_driven and scene.works > 0 and len(m.works) > 0
 
 
-def add_driven_rows(state: State, work: Work) -> None:
+def add_driven_rows(m: RungeKuttaMethod, state: State, work: Work) -> None:
     """Make the rows that powers at stages add to the polynomial of works."""
     h = state.time - state.time_before
     works = slice(work.scene.nq - work.scene.works, work.scene.nq)
-    for n, row in enumerate(DRIVEN_ROWS):
+    for n, row in enumerate(m.works):
         state.dense[3 + n, works] = 0.0
         for k, x in enumerate(row):
             state.dense[3 + n, works] += h * x * work.k[k, works]

@@ -14,16 +14,17 @@ enum {
     NO_DIRECTION = PUBLIC(NO_DIRECTION)
 };
 
-/* rows that are left out, and miss so many times CLOSURE_TOLERANCE, are not implied by others */
+/* violation, in closure tolerances, above which a dropped row is not redundant */
 #define CLEARLY 10.0
 /* tolerances are from this one on, and below 1; run_arguments.py has it, too */
 #define LEAST_TOLERANCE 1e-15
-/* bodies that a step moves by no more than that, in lengths and radians, count as at rest: their
- * velocities are compared with that */
+/* motion of bodies in a step, in lengths of the scene or radians, up to which they count as at
+ * rest: velocities are then compared with it */
 #define NOTHING_MOVES 1e-4
-/* a time that is no longer than rounding of times, in smallest steps; the part of a rate by which
- * it changes unevenly in that time where its law bends. settings.py has both, too */
+/* time that is no longer than rounding of times, in smallest steps: settings.py has it, too */
 #define NO_TIME 8.0
+/* part of a rate by which it changes unevenly within this time where its law bends: settings.py has
+ * it, too */
 #define BENT 1e-6
 
 typedef PUBLIC(settings) Settings;

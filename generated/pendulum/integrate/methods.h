@@ -1,8 +1,9 @@
 /* Runge-Kutta methods, as tables: those of methods.py. */
 
 typedef struct {
-    size_t order, stages, all, dense_rows; /* stages to the end of a step, and with those of dense output */
-    const double *c, *a, *error, *error_2, *dense; /* a: row after row, row n has n coefficients */
+    size_t order, stages, all, dense_rows, work_rows; /* stages to the end of a step, and with those of dense output */
+    double work_scale; /* errors of works are compared with so many times the energy that moves */
+    const double *c, *a, *error, *error_2, *dense, *works; /* a: row after row, row n has n coefficients */
 } Method;
 
 static const double dopri5_c[] = {
@@ -22,6 +23,12 @@ static const double dopri5_error[] = {
 static const double dopri5_dense[] = {
     -1.1270175653862835, 0.0, 2.675424484351598, -5.685526961588504, 3.5219323679207912,
     -1.7672812570757455, 2.382468931778144,
+};
+static const double dopri5_works[] = {
+    -4.114583333333333, 16.045026881720432, -12.758310871518418, 4.166666666666667,
+    -5.615585057821059, 0.0, 2.2767857142857144, 3.2291666666666665, -14.78494623655914,
+    12.578616352201259, 5.208333333333333, -11.231170115642119, 0.0, 5.0, 3.90625,
+    -25.201612903225808, 26.954177897574123, -39.0625, 46.79654214850883, 0.0, -13.392857142857142,
 };
 
 static const double dop853_c[] = {
@@ -82,8 +89,8 @@ static const double dop853_error_2[] = {
 enum { METHODS = 2, STAGES = 16 };
 
 static const Method methods[METHODS] = {
-    { 5, 6, 7, 1, dopri5_c, dopri5_a,
-      dopri5_error, NULL, dopri5_dense },
-    { 8, 12, 16, 4, dop853_c, dop853_a,
-      dop853_error, dop853_error_2, dop853_dense },
+    { 5, 6, 7, 1, 3, 1.0,
+      dopri5_c, dopri5_a, dopri5_error, NULL, dopri5_dense, dopri5_works },
+    { 8, 12, 16, 4, 0, 100.0,
+      dop853_c, dop853_a, dop853_error, dop853_error_2, dop853_dense, NULL },
 };

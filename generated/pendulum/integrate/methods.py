@@ -36,6 +36,14 @@ class RungeKuttaMethod:
         derivatives. Two are combined as e₁²/√(e₁² + 0.01 e₂²).
     dense : tuple of tuple of float
         Rows over all derivatives: the highest coefficients of the interpolating polynomial.
+    works : tuple of tuple of float
+        The same for works where drivers determine the motion. Powers at all stages are exact there,
+        so that rows over them tell works at every time to an order more than the polynomial of
+        ``dense`` has; none where that is as good.
+    work_scale : float [-]
+        Errors of works are compared with so many times the largest energy that moves: with as much
+        as the verdict allows, but where the polynomial of ``dense`` has an order less, as works
+        between steps are no better.
     """
 
     name: str
@@ -45,6 +53,8 @@ class RungeKuttaMethod:
     a: tuple[tuple[float, ...], ...]
     errors: tuple[tuple[float, ...], ...]
     dense: tuple[tuple[float, ...], ...]
+    works: tuple[tuple[float, ...], ...] = ()
+    work_scale: float = 100.0
 
     @property
     def all(self) -> int:
@@ -79,6 +89,12 @@ DOPRI5 = RungeKuttaMethod(
             " 701980252875/199316789632 -1453857185/822651844 69997945/29380423"
         ),
     ),
+    works=(
+        row_of("-395/96 23875/1488 -14200/1113 25/6 -295245/52576 0 255/112"),
+        row_of("155/48 -1375/93 2000/159 125/24 -295245/26288 0 5"),
+        row_of("125/32 -3125/124 10000/371 -625/16 2460375/52576 0 -375/28"),
+    ),
+    work_scale=1.0,
 )
 
 #: Order 8 with estimates of orders 5 and 3, 13 derivatives, and 3 more for dense output.

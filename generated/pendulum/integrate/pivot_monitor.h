@@ -5,8 +5,8 @@
 #define WEAK_PIVOT_RATIO 1e-6
 /* one this much smaller: small errors of positions decide about velocities and accelerations */
 #define VAGUE_PIVOT_RATIO 1e-8
-/* rounding may leave as much of a position over the root of what tells branches: branches that miss
- * each other by less meet in double precision */
+/* rounding of a position, times the root of the branch ratio: branches that miss each other by less
+ * meet in double precision */
 #define BRANCH_ROUNDING 1e-14
 /* bodies that are so many lengths of the scene from the origin of frame O are far: what rounding
  * leaves of their positions counts */
@@ -95,7 +95,7 @@ static double blur_of(const Work *work, const State *s)
     return scale_by_distance(s->y) * BRANCH_ROUNDING / sqrt(larger(ratio, BRANCH_ROUNDING));
 }
 
-/* the largest so far of what tells branches */
+/* largest branch ratio so far */
 static double usual_ratio(const State *s)
 {
     return IS_DRIVEN ? s->usual_ratio : s->largest_pivot_ratio;

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 WEAK_PIVOT_RATIO = 1e-6
 #: One this much smaller: small errors of positions decide about velocities and accelerations.
 VAGUE_PIVOT_RATIO = 1e-8
-#: Rounding of a position, times the root of the ratio that tells branches: branches that miss each
-#: other by less meet in double precision.
+#: Rounding of a position, times the root of the branch ratio: branches that miss each other by less
+#: meet in double precision.
 BRANCH_ROUNDING = 1e-14
 #: Bodies that are so many lengths of the scene from the origin of frame O are far: rounding of
 #: their positions counts.
@@ -103,7 +103,7 @@ def blur_of(work: Work, state: State) -> float:
 
 
 def usual_ratio(work: Work, state: State) -> float:
-    """Largest so far of the ratios that tell branches."""
+    """Largest branch ratio so far."""
     return state.usual_ratio if work.scene.is_driven else state.largest_pivot_ratio
 
 

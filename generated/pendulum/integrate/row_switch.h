@@ -1,16 +1,18 @@
-/* The row switch-over: where the rows that are kept lose rank.
- *
- * Some rows of the constraints depend on others and are left out. Where those that are kept are
- * nearly dependent, the rows that were left out take over: all rows are solved for, as many as are
- * independent, in the order of the largest pivots. C_q is what the rates of the rows say of unit
- * velocities, beyond what drivers make them at rest, -nu. No driver depends on other rows: its
- * multiplier is the same whichever are solved for. */
+/* The row switch-over: where the rows that are kept lose rank. * Some rows of the constraints
+ * depend on others and are left out. Where those that are kept are nearly dependent, the rows that
+ * were left out take over: all rows are solved for, as many as are independent, in the order of the
+ * largest pivots. A column of C_q is the rate of the rows at a unit velocity less their rate at
+ * rest, -nu, which drivers cause. No row of a driver depends on
+ * others: its multiplier is the same whichever rows are solved for. */
 
-/* at a ratio this much smaller than the largest so far rows that were left out take over */
+/* pivot ratio of the rows that are kept, relative to the largest so far, below which rows that were
+ * left out may take over */
 #define FALL_BACK 1e-2
-/* where all rows have a ratio so many times larger: else the choice of rows is not to blame */
+/* smallest factor by which all rows must have the larger pivot ratio to take over: else the choice
+ * of rows is not to blame */
 #define HELPS 10.0
-/* the largest ratio so far where all rows are to be solved for, whatever those are that are kept */
+/* value in place of the largest pivot ratio so far that asks for all rows to be solved for,
+ * whatever the pivots of those that are kept */
 #define ALL_OF_THEM (-1.0)
 
 /* an element of the diagonal of M^-1 */
@@ -85,8 +87,9 @@ static double comparable_pivot(const RowSwitch *all, size_t r)
 }
 
 /* C_q M^-1 C_q^T of all rows becomes L D L^T of NC rows, those of drivers and those with the
- * largest pivots; the smallest pivot relative to the largest of them and of all steps, the inverse
- * of which is known unless it is 0; 0 if one is not positive */
+ * largest pivots. Returns the smallest pivot relative to the largest one of these rows and of all
+ * steps, 0 if one is not positive; known is the inverse of the largest pivot of all steps, 0 if
+ * there is none */
 static double factorise_rows(Work *work, double known)
 {
     RowSwitch *all = &work->row_switch;
@@ -261,8 +264,9 @@ static void forget_trials(Work *work)
     if (HAS_ROW_SWITCH) work->row_switch.tried = 0.0;
 }
 
-/* whether all rows are better; where they are not, as where drivers or bars stand in line, they are
- * tried again when the ratio of those that are kept has changed as much as would matter */
+/* whether all rows are better than those kept. Where they are not, as where drivers or bars stand
+ * in line, they are tried again only when the pivot ratio of the rows kept has changed by the
+ * factor HELPS */
 static int are_all_rows_better(double ratio, Work *work, const State *s)
 {
     RowSwitch *all = &work->row_switch;
@@ -282,7 +286,7 @@ static void check_misses(const Settings *settings, Work *work)
     for (size_t k = 0; k != MISSED_ROWS; ++k) work->missed[k] = fabs(work->w[W_C + NC + k]);
 }
 
-/* notes what they missed there, which is kept */
+/* notes the misses of rows that are left out, at a position that is kept */
 static void note_misses(const Settings *settings, const Work *work, State *s)
 {
     if (!settings->checks) return;
@@ -310,8 +314,8 @@ static void find_geometry(Work *work, State *s)
     s->fallback_time = work->w[W_T];
 }
 
-/* what is usual where a run begins: if rows that are kept are nearly dependent there, what all rows
- * say */
+/* keeps the usual pivot ratio where a run begins: if rows that are kept are nearly dependent there,
+ * it is that of all rows */
 static void note_usual_ratio(Work *work, State *s)
 {
     place(s->time, s->y, work->w);

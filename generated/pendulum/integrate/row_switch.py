@@ -2,9 +2,9 @@
 
 Some rows of the constraints depend on others and are left out. Where those that are kept are nearly
 dependent, the rows that were left out take over: all rows are solved for, as many as are
-independent, in the order of the largest pivots. C_q is what the rates of the rows say of unit
-velocities, beyond what drivers make them at rest, −ν. No driver depends on other rows: its
-multiplier is the same whichever are solved for.
+independent, in the order of the largest pivots. A column of C_q is the rate of the rows at a unit
+velocity less their rate at rest, −ν, which drivers cause. No row of a driver depends on others: its
+multiplier is the same whichever rows are solved for.
 """
 
 from __future__ import annotations
@@ -25,11 +25,14 @@ if TYPE_CHECKING:
     from .settings import Settings
     from .state import State
 
-#: At a ratio this much smaller than the largest so far rows that were left out take over.
+#: Pivot ratio of the rows that are kept, relative to the largest so far, below which rows that were
+#: left out may take over.
 FALL_BACK = 1e-2
-#: Where all rows have a ratio so many times larger: else the choice of rows is not to blame.
+#: Smallest factor by which all rows must have the larger pivot ratio to take over: else the choice
+#: of rows is not to blame.
 HELPS = 10.0
-#: The largest ratio so far where all rows are to be solved for, whatever those are that are kept.
+#: Value in place of the largest pivot ratio so far that asks for all rows to be solved for,
+#: whatever the pivots of those that are kept.
 ALL_OF_THEM = -1.0
 
 
@@ -69,8 +72,8 @@ def comparable_pivot(all_rows: RowSwitch, work: Work) -> Array:
 def factorise_rows(all_rows: RowSwitch, work: Work, known: float) -> float:
     """Make L D Lᵀ of nc rows of C_q M⁻¹ C_qᵀ, those of drivers and those with the largest pivots.
 
-    Returns the smallest pivot relative to the largest of them and of all steps, the inverse of
-    which is known unless it is 0; 0 if one is not positive.
+    Returns the smallest pivot relative to the largest one of these rows and of all steps, 0 if one
+    is not positive. ``known`` is the inverse of the largest pivot of all steps, 0 if there is none.
     """
     scene, a, order = work.scene, all_rows.matrix, all_rows.order
     first = scene.drivers[:, 0].tolist()  # their multipliers are wanted whatever happens
@@ -228,8 +231,8 @@ def forget_trials(work: Work) -> None:
 def are_all_rows_better(ratio: float, all_rows: RowSwitch, work: Work, state: State) -> bool:
     """Whether all rows are better than those kept.
 
-    Where they are not, as where drivers or bars stand in line, they are tried again when the ratio
-    of those that are kept has changed as much as would matter.
+    Where they are not, as where drivers or bars stand in line, they are tried again only when the
+    pivot ratio of the rows kept has changed by the factor ``HELPS``.
     """
     if ratio < HELPS * all_rows.tried and all_rows.tried < HELPS * ratio:
         return False

@@ -1,8 +1,8 @@
 /* The rows that are written, at steps and between them, and what the ledger of a run notes of
  * them. */
 
-/* whether rows miss so many times CLOSURE_TOLERANCE at most, relative to LENGTH: those that are
- * left out do, and others where these took over */
+/* whether misses of rows are at most so many times CLOSURE_TOLERANCE, relative to LENGTH. Rows that
+ * are left out miss by some of it; where these took over, so do the rows that were kept */
 static int are_closed(const double *misses, double times)
 {
     for (size_t k = 0; k != NCHECK; ++k) {
@@ -12,10 +12,10 @@ static int are_closed(const double *misses, double times)
     return 1;
 }
 
-/* notes what is left of the constraints, and what of energy and momenta is not as at the start */
+/* notes residuals of the constraints, and changes of energy and of momenta */
 static void note_checks(double *w, State *s)
 {
-    /* of rows that are left out, too: they stand behind C; a NaN is none of them */
+    /* residuals of all rows: those of rows that are left out stand behind C; NaNs are ignored */
     const double *left[3] = { w + W_C, w + W_C_DOT, w + W_C_DDOT };
     check(w);
     for (size_t level = 0; level < 3; ++level) {
@@ -31,8 +31,8 @@ static void note_checks(double *w, State *s)
     }
 }
 
-/* puts what the polynomial says of a time into the workspace where rows are nearly dependent,
- * so that neither a projection nor the accelerations can be had from them */
+/* puts the interpolated state at a time into the workspace; whether rows are dependent. Dependent
+ * rows determine neither a projection nor the accelerations */
 static int interpolate_position(
     const Method *m, double t, double x, double *y, Work *work, State *s)
 {
@@ -80,8 +80,7 @@ static void find_reactions(Work *work, int is_passed)
     else reaction(work->w);
 }
 
-/* writes the state at a time of the last step: on the manifold, as at every time that is asked
- * for */
+/* writes the state at a time of the last step, projected onto the constraints */
 static int write_row(
     const Method *m, const Settings *settings, double t, State *s, Work *work, double *row)
 {

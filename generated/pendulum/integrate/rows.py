@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 def are_closed(misses: Array, times: float, scene: SceneTables) -> bool:
     """Whether misses (n,) [m, rad] of rows are at most so many times the closure tolerance.
 
-    Those that are left out do, and others where these took over.
+    Rows that are left out miss by some of it; where these took over, so do the rows that were kept.
     """
     return bool((np.abs(misses) <= times * scene.closure_tolerance * scene.row_lengths).all())
 
@@ -49,8 +49,8 @@ def interpolate_position(
 ) -> bool:
     """Put the interpolated state at t [s] into the workspace; return whether rows are dependent.
 
-    x [-] is the part of the step, y (ny,) gets the state. Neither a projection nor the
-    accelerations can be had from them.
+    x [-] is the part of the step, y (ny,) gets the state. Dependent rows determine neither a
+    projection nor the accelerations.
     """
     interpolate(m, x, state, y)
     nq = work.scene.nq
@@ -102,7 +102,7 @@ def find_reactions(work: Work, *, is_passed: bool) -> None:
 def write_row(
     m: RungeKuttaMethod, s: Settings, t: float, state: State, work: Work, row: Array
 ) -> Status:
-    """Write the state at a time t [s] of the last step: on the manifold, as all that is asked for.
+    """Write the state at a time t [s] of the last step, projected onto the constraints.
 
     ``row`` (row_size,) gets time, q, v and the parts of the scene, in SI units.
     """

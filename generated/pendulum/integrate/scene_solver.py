@@ -292,7 +292,7 @@ class SceneSolver:
         if asked < s.time:
             prepare_dense(m, work, s)
             if has_driven_works(m, self.scene):
-                add_driven_rows(s, work)
+                add_driven_rows(m, s, work)
         if has_narrow:
             note_steepness(start, end, s, work)
         return Status.GOOD

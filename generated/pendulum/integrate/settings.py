@@ -10,26 +10,28 @@ from typing import NamedTuple
 
 from .methods import METHODS
 
-#: Options of a run, and how many steps it makes at most by default.
+#: Options of a run.
 OPTIONS = (
     *("tolerance", "method", "step", "largest_step", "checks", "most_steps", "parameters"),
     *("initial", "q0", "v0"),
 )
+#: Number of steps that a run makes at most by default.
 MOST_STEPS = 1_000_000
 #: The method of scenes whose motion drivers determine.
 KINEMATICS = "kinematics"
-#: The least tolerance at which each of the others needs the fewest evaluations to the error that it
-#: gives; ``make bench`` measures that.
+#: Smallest tolerance at which each Runge-Kutta method needs the fewest evaluations for the error
+#: that it gives, as ``make bench`` measures.
 LEAST_TOLERANCES = {"dopri5": 2e-5, "dop853": 0.0}
-#: Rows that are left out, and miss so many times the closure tolerance, are not implied by others;
-#: memory.h has it, too.
+#: Violation, in closure tolerances, above which a dropped row is not redundant: memory.h has it,
+#: too.
 CLEARLY = 10.0
-#: Bodies that a step moves by no more than that, in lengths of the scene and radians, count as at
-#: rest: their velocities are compared with that. memory.h has it, too.
+#: Motion of bodies in a step, in lengths of the scene or radians, up to which they count as at
+#: rest: velocities are then compared with it; memory.h has it, too.
 NOTHING_MOVES = 1e-4
-#: A time that is no longer than rounding of times, in smallest steps; the part of a rate by which
-#: it changes unevenly in that time where its law bends. memory.h has both, too.
+#: Time that is no longer than rounding of times, in smallest steps: memory.h has it, too.
 NO_TIME = 8.0
+#: Part of a rate by which it changes unevenly within this time where its law bends: memory.h has
+#: it, too.
 BENT = 1e-6
 
 
@@ -56,13 +58,13 @@ class Settings(NamedTuple):
     largest_step : float [s]
         No step is longer.
     fixed_step : float [s]
-        Steps are so long, shorter only at the end, where formulas switch or are narrow, and near
-        dependent rows, and no error decides; 0: by the error.
+        Length of all steps, whatever their error; they are shorter only at the end, where formulas
+        switch or are narrow, and near dependent rows. 0: the error decides.
     checks : int
         Whether rows are checked: what is left of the constraints, the energy.
     method : int
-        Its place among the methods; the one after them is ``kinematics``, where drivers determine
-        the motion.
+        0-based index of the Runge-Kutta method; their number stands for ``kinematics``, where
+        drivers determine the motion.
     """
 
     tolerance: float
@@ -85,7 +87,7 @@ class Status(IntEnum):
     ``NO_VALUE``: the formula of an event has no finite value at the start, or none from where the
     run came. ``BENDS``: the law of a driver bends or jumps where the run came.
     ``INFINITE``: a force is infinite right behind the time that was reached. ``DEPENDENT``: rows
-    depend on each other nearly that do not with the parameters of the scene. ``NO_DIRECTION``: two
+    are nearly dependent that are independent at nominal parameters. ``NO_DIRECTION``: two
     points whose distance is driven meet where the run came.
     """
 

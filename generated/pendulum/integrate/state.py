@@ -143,7 +143,7 @@ class State:
     balance = StateNumber(
         "J", "energy that no work explains, at the last position under kinematics"
     )
-    untold = StateNumber("s", "length of the steps since that was looked at")
+    untold = StateNumber("s", "length of steps since Lobatto's rule last checked the works")
     is_refined = StateNumber("-", "1: accelerations are refined all along, 0.5: looked at, else 0")
     method = StateNumber("-", "1 + the method; 0 before the first step")
     avoided = StateNumber(
@@ -177,16 +177,18 @@ class State:
     is_near = StateNumber("-", "1 where branches may meet in the driven step that is tried, else 0")
     refinements = StateNumber("-", "accelerations that were refined, since much of them was lost")
     pivot_ratio = StateNumber("-", "the pivot ratio of the last accelerations")
-    position_ratio = StateNumber("-", "what tells branches at the last position that was kept")
-    usual_ratio = StateNumber("-", "the largest of these")
-    root_before = StateNumber("-", "root of what tells branches at a stage before that position")
-    stage_before = StateNumber("s", "how long before; 0: none")
+    position_ratio = StateNumber("-", "branch ratio at the last position that was kept")
+    usual_ratio = StateNumber("-", "largest branch ratio so far")
+    root_before = StateNumber("-", "root of the branch ratio at a stage before that position")
+    stage_before = StateNumber("s", "time from this stage to that position; 0: none")
     least_inverse_pivot = StateNumber("kg", "of all steps; 0 before the first")
     limit = StateNumber("s", "no step goes beyond: where formulas of time switch, or the end")
-    behind = StateNumber("s", "behind that switch; as limit where there is none")
+    behind = StateNumber("s", "first time behind that switch; as limit where there is none")
     switched = StateNumber("s", "where formulas switched last, of time or of the state")
-    bent = StateNumber("-", "1 + the law of a driver that leads no further where it came; 0: none")
-    pole = StateNumber("-", "1 + the function that is zero where a force is infinite; 0: none")
+    bent = StateNumber(
+        "-", "1-based index of the law that bends, or gap that closes, here; 0: none"
+    )
+    pole = StateNumber("-", "1-based index of the function zero where a force is infinite; 0: none")
     potential = StateNumber("J", "potential energy at the start")
     energy_moved = StateNumber("J", "kinetic energy, change of potential, works: largest sum")
     moved = StateNumber("J", "the same at ends of steps: errors of works are compared with it")

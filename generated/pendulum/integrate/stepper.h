@@ -1,127 +1,160 @@
 /* The stepper: an explicit Runge-Kutta step, its error, and how long the next one is. */
 
-/* what may be left of the constraints at a stage inside of a step, in units of the tolerance */
+/* largest constraint correction that may be left at a stage inside of a step, in units of the
+ * tolerance */
 #define STAGE_RESIDUAL 1e-3
-/* how often a step is made shorter that has a stage where rows are nearly dependent, and how
- * much */
+/* how often a step is shortened at most because rows are nearly dependent at one of its stages;
+ * then the length with the largest pivot ratio is taken */
 #define MOST_AVOIDED 8
+/* factor by which such a step is shortened each time, so that its stages lie elsewhere */
 #define AVOIDING_STEP_PART 0.9
-/* how often a step is made shorter for what varies with the state */
+/* how often a step is made again at most for each of three reasons: samples do not resolve a part
+ * that varies with the state, a stage lies beyond a switch that the polynomial does not meet, or
+ * samples are few for how a part varies */
 #define MOST_SHORTER 8
-/* a trial is too long where stages that do not count at its end change speeds by so many times as
- * much as the others, and these speeds */
+/* reject a step if a stage with zero weight at its end has accelerations more than this many times
+ * those of the other stages, and the speeds at its end over its length */
 #define THROWN_OFF 10.0
-/* of a step whose error is larger, or than this relative to the state where steps are fixed, only a
- * part that is longer is believed to lead to a crossing; how often an event is found again */
+/* a rejected step is cut for a crossing no earlier than at this part of its length: what its
+ * polynomial shows before that is not believed. A step of fixed length is treated alike if its
+ * relative error is larger than this number */
 #define LEAST_PART 0.02
+/* largest number of re-locations of an event that cuts a step */
 #define MOST_POLISHED 3
-/* the largest correction of a step where drivers lead */
+/* largest constraint correction of a step with drivers, in lengths of the scene or radians: no
+ * error tells how far drivers led */
 #define MOST_DRIVEN_CORRECTION 1e-3
-/* this part of what is normal to the constraints does not count as an error; nothing of it does
- * where drivers lead, which is exact, and at a pivot ratio this much smaller than the largest so
- * far, where it is rounding */
+/* part of the constraint-normal error that is discounted. All of it is with drivers, which are
+ * exact, and near a singularity, where it is rounding */
 #define FORGIVEN_NORMAL_PART 0.5
+/* pivot ratio, relative to the largest so far, below which a step counts as near a singularity: its
+ * constraint-normal error and its drift are rounding there */
 #define CLEAR_PIVOT_RATIO 1e-3
-/* what a step may be off the constraints, in tolerances, and the least of these: half of what is
- * trusted. Estimates can be blind where bodies turn by some radians in a step, this is not */
+/* largest drift of a step off the constraints, in tolerances: half of what the verdict on a run
+ * trusts. Estimates can be blind where bodies turn by some radians in a step, the drift is not */
 #define MOST_DRIFT 50.0
+/* smallest tolerance that this limit of the drift is computed with */
 #define LEAST_DRIFT 1e-11
-/* what the worse of two estimates counts where the better may be blind. Steps from a switch to the
- * next begin and end at the same phases of a force that repeats, so that their errors have one sign
- * and add up. Of a half-wave of a sine in one step of DOP853 the better one is 4 times too small;
- * this is 10 times too large. Over a steep rise of a force both have been blind */
+/* weight of the worse of the two estimates of DOP853 where the better one may be blind. Steps from
+ * a switch to the next begin and end at the same phases of a periodic force, so that their errors
+ * have one sign and add up. For a half-wave of a sine in one step of DOP853 the better estimate is
+ * 4 times too small; the weighted worse one is 10 times too large. Over a steep rise of a force
+ * both have been blind */
 #define WORSE_ERROR_PART 4e-3
-/* pivot ratios go with the square of the distance from a place where branches meet; a stage from
- * this part of the step on tells how */
+/* earliest part of a step at which a stage gives the third point of a parabola through the branch
+ * ratios at its ends: branch ratios go with the square of the distance from a place where branches
+ * meet */
 #define INNER_STAGE_PART 0.25
-/* steps are checked for branches where they fall to this part of the larger ratio at the ends, or a
- * stage has this part of the smaller one; and where ratios are smaller than this and the step is
- * longer than this part of the way to such a place */
+/* check a step for other branches if its smallest branch ratio, by this parabola or at a stage, is
+ * below this part of the larger ratio at its ends */
 #define FALLEN_RATIO_PART 0.1
+/* check a step for other branches, too, if a stage has a branch ratio below this part of the
+ * smaller ratio at its ends */
 #define DIPPED_RATIO_PART 0.75
+/* check a step for other branches, too, if a branch ratio at its ends is below this part of the
+ * largest so far and the step is long in the sense of FAR_WAY_PART */
 #define SMALL_RATIO_PART 1e-3
+/* a step is long if bodies move in it by more than this part of the distance to the place where
+ * branches meet, taken as the root of the larger branch ratio at its ends over the largest so
+ * far */
 #define FAR_WAY_PART 0.5
-/* such steps are no longer than this, in lengths and radians: how ratios go is not known over
- * longer ones. At tolerances above that, and where drivers determine the motion, none is longer
- * than this: stages may pass by such a place, unless ratios are as level as this. Where there are
- * so many stages they lie twice as densely, but two bodies turn towards each other by twice as
- * much: by less than half a turn, so that no step passes two such places */
+/* longest motion of bodies in a step that is checked for other branches, in lengths of the scene or
+ * radians: how branch ratios vary is not known over longer ones */
 #define LONGEST_NEAR_BRANCHES 0.75
+/* tolerance above which the motion in every step is limited, so that no stages pass by a place
+ * where branches meet. Where drivers determine the motion it is so at every tolerance */
 #define LOOSE_TOLERANCE 1e-3
+/* longest motion of bodies in a step that is limited for this reason, in lengths of the scene or
+ * radians */
 #define LONGEST_IF_LOOSE 1.2
+/* number of stages from which on a method has many: they lie twice as densely in a step */
 #define MANY_STAGES 12
+/* longest motion of bodies, instead of LONGEST_IF_LOOSE, where drivers determine it and the method
+ * has many stages. Two bodies turn towards each other by twice as much, which is less than half a
+ * turn: no step passes two places where branches meet */
 #define LONGEST_OF_MANY_STAGES 1.5
+/* these limits do not apply where the smallest branch ratio in a step exceeds this part of the
+ * largest: no place where branches meet is passed by if ratios are as level as that */
 #define LEVEL_RATIO_PART 0.999
-/* by what errors are multiplied of steps whose estimates compare two results that are off alike. So
- * they do from a place on where a force goes with t^p: the error is 64 times what they tell for
- * p = 0.1, 37 times for a square root and 11 times for p = 1.5, with many stages 7, 5 and 3 times.
- * Of steps over steep rises of forces it is more than 100 times that in one of 200, without this */
+/* factor of the estimated error where the two results that an estimate compares are off alike. They
+ * are from a place on where a force goes with t^p: the error is 64 times the estimate for p = 0.1,
+ * 37 times for a square root and 11 times for p = 1.5. Over steep rises of forces the error of one
+ * step in 200 is more than 100 times the estimate without this factor */
 #define BLIND_ERROR 40.0
+/* the same factor for methods with many stages, where the error is 7, 5 and 3 times the estimate
+ * for these p */
 #define BLIND_ERROR_OF_MANY_STAGES 5.0
-/* where the line through two roots leads to less than this part of the next one, the root may have
- * changed its sign in between */
+/* the root of the branch ratio may have changed its sign between two stages if a line through the
+ * roots at one of them and at the stage beyond it leads to less than this part of the root at the
+ * other one */
 #define SIGN_CHANGE_PART 0.2
-/* a step after one that tells how long it may be is this part of that */
+/* safety factor of a step length that follows from a longest motion of bodies */
 #define LIMITED_STEP_PART 0.98
-/* a step is not made shorter than this to find its branch */
+/* motion of bodies in a step, in lengths of the scene or radians, below which it is not shortened
+ * any more to find its branch */
 #define SHORTEST_BRANCH_WAY 1e-4
-/* step-size control, see docs/dynamics.md: h times the safety factor, error^(-0.8 / k) and the
- * error of the step before^(0.2 / k), with the order k. That is the PI controller of Gustafsson,
- * ACM Trans. Math. Softw. 17 (1991), with k_P = 0.2 / k and k_I + k_P = 0.8 / k: the earlier error
- * damps steps that swing about a bound of stability. A step is this much shorter than what would
- * meet the tolerance */
+/* safety factor of the step-size control h SAFETY error^(-0.8 / k) error_before^(0.2 / k) with the
+ * order k, see docs/dynamics.md. It is the PI controller of Gustafsson, ACM Trans. Math. Softw. 17
+ * (1991), with k_P = 0.2 / k and k_I + k_P = 0.8 / k */
 #define SAFETY 0.8
+/* exponent of the error of a step, times -k: (k_I + k_P) k */
 #define ERROR_EXPONENT 0.8
+/* exponent of the error of the step before, times k: k_P k. It damps steps whose lengths swing
+ * about a bound of stability */
 #define EARLIER_ERROR_EXPONENT 0.2
-/* the error before counts as no less: else one that is zero by chance makes the next step short */
+/* lower bound of the error of the step before, in units of the tolerance: one that is zero by
+ * chance would make the next step short */
 #define LEAST_EARLIER_ERROR 1e-4
-/* by how much a step is longer or shorter than the one before it: estimates are local, and tell
- * nothing further on; not longer after one that was rejected. See Hairer, Norsett, Wanner, Solving
- * Ordinary Differential Equations I, II.4 */
+/* largest ratio of a step length to the one before, 1 after a rejected step: error estimates are
+ * local and tell nothing further on. See Hairer, Norsett, Wanner, Solving Ordinary Differential
+ * Equations I, II.4 */
 #define MOST_STEP_FACTOR 10.0
+/* smallest ratio of a step length to the one before */
 #define LEAST_STEP_FACTOR 0.2
-/* the error of a trial that tells none, as it cannot be kept: the next is as short as may be */
+/* error, in units of the tolerance, of a trial that cannot be kept and whose error tells nothing:
+ * the next one is much shorter */
 #define REFUSED_ERROR 1e3
-/* two estimates of DOP853, e of order 5 and e_2 of order 3, together go with h^8 as its error does,
- * e^2 / sqrt(e^2 + 0.01 e_2^2): the same book, II.10 */
+/* weight of the estimate e_2 of order 3 beside e of order 5 in the error of DOP853, e^2 / sqrt(e^2
+ * + 0.01 e_2^2): it goes with h^8 as the error does. The same book, II.10 */
 #define WORSE_ESTIMATE_PART 0.01
-/* what velocities are compared with, beside themselves: the largest so far, but no more than moves
- * bodies by a part of LENGTH in the step, and no less than rounding leaves where nothing moves, in
- * the longest step so far: in a short one rates of what does move are no larger */
+/* scale of velocity errors, beside the velocities: the running maximum speed, clamped to between
+ * NOTHING_MOVES over the longest step so far and this number over the step, in lengths of the scene
+ * or radians. Below the lower bound speeds are rounding; it is no larger in a short step, as the
+ * rates of what does move are not */
 #define USUAL_STEP_MOTION 0.05
-/* errors of works of DOP853 are compared with so many times the energy that moves at most: with as
- * much as the verdict allows */
-#define MOST_MOVED 100.0
-/* a first step in the time in which bodies move LENGTH, or a radian; where nothing moves yet, in
- * the whole time; and how much longer it may be than the Euler step that tells how derivatives
- * change, the same book, II.4 */
+/* motion of bodies in the Euler step that precedes the first step, in lengths of the scene or
+ * radians: it tells how derivatives change. Also the factor of the tolerance from which the length
+ * of the first step follows. The same book, II.4 */
 #define FIRST_STEP_MOTION 0.01
+/* length of this Euler step where nothing moves yet, relative to the whole time */
 #define FIRST_STEP_SPAN_PART 1e-6
+/* largest ratio of the first step to this Euler step */
 #define MOST_FIRST_FACTOR 100.0
 
-/* whether roots of what tells branches are tracked from stage to stage, to tell where they change
+/* whether roots of the branch ratio are tracked from stage to stage, to tell where they change
  * sign */
 enum { TRACKS_ROOTS = HAS_REFINEMENT && !IS_DRIVEN };
 
 /* a step of length h that is tried */
 typedef struct {
-    double h, end;                  /* its length, and where it ends [s] */
-    double drift, error;            /* largest correction, error / tolerance */
-    double error_if_blind;          /* the error if estimates may be blind */
-    double moved;                   /* the energy that has moved at its end, if rows are checked */
-    double least_ratio, most_ratio; /* of the pivot ratios of its stages */
-    double inner_ratio, inner;      /* that of one inside, and at which part of the step it is */
-    double dip_ratio, dip;          /* the same of the smallest inside */
-    /* parts of the step in order, one before it among them, and roots of what tells branches */
+    double h, end;                  /* its length, and the time of its end [s] */
+    double drift, error;            /* correction of its end; error / tolerance */
+    double error_if_blind;          /* error where estimates may be blind */
+    double moved;                   /* energy moved up to its end, if rows are checked [J] */
+    double least_ratio, most_ratio; /* smallest, largest pivot ratio of its stages */
+    double inner_ratio, inner;      /* branch ratio of a stage inside; its part of the step */
+    double dip_ratio, dip;          /* smallest branch ratio inside; its part of the step */
+    /* parts of the step in order, with that of a stage of the step before, which is negative, and
+     * roots of the branch ratio there */
     double parts[ROOM(TRACKS_ROOTS * (STAGES + 2))], roots[ROOM(TRACKS_ROOTS * (STAGES + 2))];
     size_t count;
-    double last_ratio;           /* that of the end */
-    double end_ratio, top_ratio; /* what tells branches there, and the largest of all stages */
-    int branch;                  /* whether it may end on another branch: see branches.h */
-    double longest;        /* how long it may be to tell that, where it is longer, else 0 [s] */
-    int is_last;           /* whether it ends where the step does at most */
-    int is_good, is_whole; /* whether stages lead to its end; whether it can be kept */
-    int is_vague;          /* whether its length is fixed, and its error large */
+    double last_ratio;           /* pivot ratio of its end */
+    double end_ratio, top_ratio; /* branch ratio there, see pivot_monitor.h; largest one */
+    int branch;                  /* whether it may end on another branch, see branches.h */
+    double longest;              /* length at which ratios tell of branches, if it is longer [s] */
+    int is_last;                 /* whether it ends at the latest time that the step may reach */
+    int is_good, is_whole; /* whether its stages exist; it may be kept if its error is small */
+    int is_vague;          /* whether its length is fixed and its error beyond LEAST_PART */
 } Trial;
 
 /* the attempts to make a step */
@@ -129,17 +162,21 @@ typedef struct {
     const Method *m;
     const Settings *settings;
     int is_fixed;             /* whether its length is asked for */
-    double asked, end, limit; /* next time to be written; where it ends at most, and may [s] */
-    double best, best_h; /* of the pivot ratios of those with nearly dependent rows; its length */
-    int avoided;         /* how many of them there were */
-    int is_beyond;       /* whether the end is to lie inside of the step */
-    int is_rejected;     /* whether one had too large an error */
-    int is_guessed;      /* whether one was cut short for what is seen in it but distances */
-    int shorter, thrown; /* how often for narrow parts, and for stages that pass a switch by */
-    int coarse;          /* how often one had few samples of a part that varies */
-    int polished;        /* how often an event was found again */
-    int status;          /* GOOD, or why there is no step */
-    Search search;       /* for what crosses in the last one */
+    double asked, end, limit; /* next time to be written; latest end, now and uncut [s] */
+    /* largest pivot ratio of a trial with nearly dependent rows, each taken at its worst stage;
+     * length of this trial [s] */
+    double best, best_h;
+    int avoided;     /* number of trials with nearly dependent rows */
+    int is_beyond;   /* whether the step is to go beyond its latest end */
+    int is_rejected; /* whether a trial had too large an error */
+    int is_guessed;  /* whether a trial was cut short for anything but a distance or a jump */
+    /* how often samples of parts that vary with the state were looked at to shorten a trial; how
+     * often it was shortened for a stage beyond a switch that its polynomial misses */
+    int shorter, thrown;
+    int coarse;    /* how often samples were few for how a part varies in a trial */
+    int polished;  /* how often an event was located again */
+    int status;    /* GOOD, or why there is no step */
+    Search search; /* for what crosses in the last one */
 } Attempts;
 
 /* whether a trial meets the tolerance */
@@ -190,9 +227,10 @@ static void note_extent(const double *end, const double *w, State *s)
 /* the energy of all bodies where they move at such a rate */
 static double usual_energy(double rate) { return MASS * (LENGTH * rate) * (LENGTH * rate) / 2.0; }
 
-/* the energy that errors of works are compared with, where so much has moved in a step of length h:
- * that of all bodies at the usual rate, and maybe far less where they move at all: where one of
- * them is fast heavy ones may stand */
+/* energy that errors of works are compared with, where so much has moved in a step of length h. It
+ * is that of all bodies at the usual rate up to the end, or the energy that has moved if that is
+ * less: where one body is fast, heavy ones may stand. It is no less than that of all bodies at a
+ * rate that counts as rest */
 static double energy_of_works(double h, const double *end, double moved, const State *s)
 {
     const double usual = usual_energy(usual_rate(h, end, s));
@@ -245,12 +283,10 @@ static double estimate(const Method *m, const double *row, const Trial *trial, c
             sum += (u[i] / size) * (u[i] / size);
         }
     }
-    /* compared with the energy that moves: where the polynomial has an order less works between
-     * steps are no better */
+    /* work is compared with the energy that moves */
     for (size_t i = NQ - WORKS; i != NQ; ++i) {
-        const double times = m->order == 5 ? 1.0 : MOST_MOVED;
-        const double moving = energy_of_works(
-            trial->h, end, times * larger(s->moved, trial->moved), s);
+        const double moved = m->work_scale * larger(s->moved, trial->moved);
+        const double moving = energy_of_works(trial->h, end, moved, s);
         const double least = moving + work->w[W_ENERGIES];
         const double size = least + larger(fabs(now[i]), fabs(end[i]));
         sum += (error[i] / size) * (error[i] / size);
@@ -258,8 +294,8 @@ static double estimate(const Method *m, const double *row, const Trial *trial, c
     return sqrt(sum / (double)(2 * NV)) / tolerance;
 }
 
-/* whether what a step is off the constraints tells of its error: neither drivers nor rows that take
- * over lead it there, and it is no rounding */
+/* whether the drift of a step off the constraints is due to its error. It is not where drivers or
+ * rows that take over cause it, or near a singularity, by rounding */
 static int tells_drift(const Trial *trial, const State *s)
 {
     if (HAS_DRIVERS || HAS_ROW_SWITCH) return 0;
@@ -305,7 +341,7 @@ static double norm_error(const Method *m, double h, const State *s, Work *work)
     return most;
 }
 
-/* notes the root of what tells branches at a part of a step, in order */
+/* notes the root of the branch ratio at a part of a step, in order */
 static void note_root(double part, double root, Trial *trial)
 {
     size_t n = trial->count;
@@ -320,7 +356,7 @@ static void note_root(double part, double root, Trial *trial)
     trial->roots[n] = root;
 }
 
-/* notes the pivot ratios of a stage at a part of a step */
+/* notes the pivot ratio and the branch ratio of a stage at a part of a step */
 static void note_stage_ratios(double part, Trial *trial, const Work *work, const State *s)
 {
     trial->last_ratio = last_ratio(work, s);
@@ -368,8 +404,8 @@ static int make_dense_stages(const Method *m, Trial *trial, Work *work, State *s
     return good;
 }
 
-/* whether stages that do not count at its end meet a force that the others of a trial pass by, such
- * that its polynomial is thrown off: it is too long for what its error does not tell */
+/* whether stages with zero weight at its end meet a force that the others of a trial miss. The
+ * force makes its polynomial useless, and its error does not tell of it: it is too long */
 static int is_thrown_off(const Method *m, const Trial *trial, const Work *work)
 {
     const double *weights = m->a + m->stages * (m->stages - 1) / 2;
@@ -382,7 +418,7 @@ static int is_thrown_off(const Method *m, const Trial *trial, const Work *work)
     return beside > THROWN_OFF * most;
 }
 
-/* the least of a parabola through pivot ratios of a step, and of those of its stages */
+/* minimum of a parabola through branch ratios of a step, and of those at its stages */
 static double least_of_parabola(const Trial *trial, const State *s)
 {
     const double first = s->position_ratio, last = trial->end_ratio, x = trial->inner;
@@ -393,21 +429,21 @@ static double least_of_parabola(const Trial *trial, const State *s)
     return smaller(least, smaller(trial->dip_ratio, last));
 }
 
-/* whether the least ratio of a step falls to a part of those at the ends */
+/* whether the smallest branch ratio of a step is below a part of the larger one at its ends */
 static int falls_to(double part, const Trial *trial, const State *s)
 {
     const double ends = larger(s->position_ratio, trial->end_ratio);
     return least_of_parabola(trial, s) < part * smaller(ends, usual_ratio(s));
 }
 
-/* at which part of a step roots of ratios at its ends, which go with the distance from a place
- * where branches meet, tell that this is */
+/* part of a step at which branches seem to meet, from roots of branch ratios at its ends. These
+ * roots go with the distance from the place where branches meet */
 static double meeting_part(double first, double last)
 {
     return first + last > 0.0 ? first / (first + last) : 0.5;
 }
 
-/* the same if a stage has a small one: before or behind it */
+/* part at which branches seem to meet, before or behind a stage with a small branch ratio */
 static double dipping_part(double first, double last, const Trial *trial)
 {
     const double dip = sqrt(trial->dip_ratio), x = trial->dip;
@@ -415,9 +451,9 @@ static double dipping_part(double first, double last, const Trial *trial)
                                          : x * first / (first + dip);
 }
 
-/* at which part of a step roots of what tells branches seem to change their sign, and how steeply:
- * they go with the distance from a place where branches meet, so that lines through two of them
- * tell the next; the slope is 0 where none changes its sign */
+/* part of a step at which roots of branch ratios change their sign, and their slope there. These
+ * roots go with the distance from a place where branches meet, but are known without a sign: lines
+ * through two of them tell the sign of the next. The slope is 0 if none changes its sign */
 static double sign_change(const Trial *trial, double *slope)
 {
     const double *x = trial->parts, *r = trial->roots;
@@ -438,8 +474,7 @@ static double sign_change(const Trial *trial, double *slope)
     return part;
 }
 
-/* how far a step may lead so that ratios of its stages tell of places where branches meet; it is
- * infinite where any way is short enough */
+/* longest motion of a step whose stages show branches, in lengths and rad, or infinite */
 static double longest_way(const Attempts *tried, const Trial *trial, const State *s)
 {
     const int is_loose = IS_DRIVEN || tried->settings->tolerance > LOOSE_TOLERANCE;
@@ -449,8 +484,8 @@ static double longest_way(const Attempts *tried, const Trial *trial, const State
     return IS_DRIVEN && tried->m->stages >= MANY_STAGES ? LONGEST_OF_MANY_STAGES : LONGEST_IF_LOOSE;
 }
 
-/* whether a step is no longer than that: else it is made again. Where bodies are free much shorter:
- * they pass places where branches meet by momentum */
+/* whether bodies move in a step by no more than the longest way: else it is made again. Where
+ * bodies are free it is made much shorter: they pass places where branches meet by momentum */
 static int is_short(double longest, Trial *trial, const State *s, const Work *work)
 {
     const double way = longest < HUGE_VAL ? way_of(trial->h, s->y, work->y) : 0.0;
@@ -578,8 +613,9 @@ static int is_near_power(const Attempts *tried, const Trial *trial, const State 
 }
 
 /* the error of a trial in which samples are few for how a part varies: as if estimates were blind.
- * Beside an infinite force, and where rounding decides, no step is short enough for that: not for
- * ever, and of no step that is a tiny part of the time */
+ * Beside an infinite force, and where rounding decides, samples are few in every step, however
+ * short. So this is done a limited number of times, and not in a step that is a tiny part of the
+ * time */
 static double error_where_coarse(Attempts *tried, const Trial *trial)
 {
     const double tiny = FINEST * larger(fabs(trial->end), fabs(tried->limit));
@@ -726,10 +762,10 @@ static double crossing_in(Attempts *tried, Trial *trial, Work *work, State *s)
     return broken;
 }
 
-/* where a trial must end so that samples tell up to a time how narrow parts vary; noted where it
- * cannot be shorter for that. Where they are few it has the error of blind estimates: those of a
- * step that ends beside the middle of a steep rise have been a hundredth of a tolerance where it
- * was off by 500, as stages lie on both sides */
+/* time at which a trial must end so that samples up to a time resolve parts of formulas; noted
+ * where it cannot be shorter for that. If samples are few, the trial gets the error of blind
+ * estimates. In a step that ended beside the middle of a steep rise, with stages on both sides, the
+ * estimate was a hundredth of a tolerance and the error 500 */
 static double resolved_in(double until, Attempts *tried, Trial *trial, Work *work, State *s)
 {
     Search *search = &tried->search;
@@ -752,9 +788,9 @@ static double resolved_in(double until, Attempts *tried, Trial *trial, Work *wor
     return to;
 }
 
-/* where a trial must end so that its polynomial meets up to a time what its stages do. Where it
- * cannot be shorter for that, what stages of the polynomial alone meet is noted: of the others an
- * error tells. At a cut rounding decides */
+/* time at which a trial must end so that its polynomial meets what its stages do. If it has been
+ * shortened for that too often, a switch that a stage of the dense output alone meets is noted as
+ * unresolved: of those that other stages meet the error tells. At a cut rounding decides */
 static double met_in(double until, Attempts *tried, const Trial *trial, Work *work, State *s)
 {
     Search *search = &tried->search;

@@ -61,102 +61,134 @@ if TYPE_CHECKING:
     from .settings import Settings
     from .state import State
 
-#: Correction that may be left at a stage inside of a step, in units of the tolerance.
+#: Largest constraint correction that may be left at a stage inside of a step, in units of the
+#: tolerance.
 STAGE_RESIDUAL = 1e-3
-#: How often a step with a stage where rows are nearly dependent is made shorter, and its factor.
+#: How often a step is shortened at most because rows are nearly dependent at one of its stages;
+#: then the length with the largest pivot ratio is taken.
 MOST_AVOIDED = 8
+#: Factor by which such a step is shortened each time, so that its stages lie elsewhere.
 AVOIDING_STEP_PART = 0.9
-#: How often a step is made shorter for what varies with the state.
+#: How often a step is made again at most for each of three reasons: samples do not resolve a part
+#: that varies with the state, a stage lies beyond a switch that the polynomial does not meet, or
+#: samples are few for how a part varies.
 MOST_SHORTER = 8
-#: A trial is too long where stages that do not count at its end change speeds by so many times as
-#: much as the others, and these speeds.
+#: Reject a step if a stage with zero weight at its end has accelerations more than this many times
+#: those of the other stages, and the speeds at its end over its length.
 THROWN_OFF = 10.0
-#: Of a step whose error is larger, or than this relative to the state where steps are fixed, only a
-#: part that is longer is believed to lead to a crossing; how often an event is found again.
+#: A rejected step is cut for a crossing no earlier than at this part of its length: what its
+#: polynomial shows before that is not believed. A step of fixed length is treated alike if its
+#: relative error is larger than this number.
 LEAST_PART = 0.02
+#: Largest number of re-locations of an event that cuts a step.
 MOST_POLISHED = 3
-#: The largest correction of a step where drivers lead.
+#: Largest constraint correction of a step with drivers, in lengths of the scene or radians: no
+#: error tells how far drivers led.
 MOST_DRIVEN_CORRECTION = 1e-3
-#: This part of the normal component of an error does not count; nothing of it does where drivers
-#: lead, which is exact, and at a pivot ratio this much smaller than the largest so far, where it is
-#: rounding.
+#: Part of the constraint-normal error that is discounted. All of it is with drivers, which are
+#: exact, and near a singularity, where it is rounding.
 FORGIVEN_NORMAL_PART = 0.5
+#: Pivot ratio, relative to the largest so far, below which a step counts as near a singularity: its
+#: constraint-normal error and its drift are rounding there.
 CLEAR_PIVOT_RATIO = 1e-3
-#: Largest drift of a step off the constraints, in tolerances, and the least of these: half of what
-#: is trusted. Estimates can be blind where bodies turn by some radians in a step, this is not.
+#: Largest drift of a step off the constraints, in tolerances: half of what the verdict on a run
+#: trusts. Estimates can be blind where bodies turn by some radians in a step, the drift is not.
 MOST_DRIFT = 50.0
+#: Smallest tolerance that this limit of the drift is computed with.
 LEAST_DRIFT = 1e-11
-#: Weight of the worse of two estimates where the better may be blind. Steps from a switch to the
-#: next begin and end at the same phases of a force that repeats, so that their errors have one sign
-#: and add up. Of a half-wave of a sine in one step of DOP853 the better one is 4 times too small;
-#: this is 10 times too large. Over a steep rise of a force both have been blind.
+#: Weight of the worse of the two estimates of DOP853 where the better one may be blind. Steps from
+#: a switch to the next begin and end at the same phases of a periodic force, so that their errors
+#: have one sign and add up. For a half-wave of a sine in one step of DOP853 the better estimate is
+#: 4 times too small; the weighted worse one is 10 times too large. Over a steep rise of a force
+#: both have been blind.
 WORSE_ERROR_PART = 4e-3
-#: Pivot ratios go with the square of the distance from a place where branches meet; a stage from
-#: this part of the step on tells how.
+#: Earliest part of a step at which a stage gives the third point of a parabola through the branch
+#: ratios at its ends: branch ratios go with the square of the distance from a place where branches
+#: meet.
 INNER_STAGE_PART = 0.25
-#: Steps are checked for branches where they fall to this part of the larger ratio at the ends, or a
-#: stage has this part of the smaller one; and where ratios are smaller than this and the step is
-#: longer than this part of the way to such a place.
+#: Check a step for other branches if its smallest branch ratio, by this parabola or at a stage, is
+#: below this part of the larger ratio at its ends.
 FALLEN_RATIO_PART = 0.1
+#: Check a step for other branches, too, if a stage has a branch ratio below this part of the
+#: smaller ratio at its ends.
 DIPPED_RATIO_PART = 0.75
+#: Check a step for other branches, too, if a branch ratio at its ends is below this part of the
+#: largest so far and the step is long in the sense of FAR_WAY_PART.
 SMALL_RATIO_PART = 1e-3
+#: A step is long if bodies move in it by more than this part of the distance to the place where
+#: branches meet, taken as the root of the larger branch ratio at its ends over the largest so far.
 FAR_WAY_PART = 0.5
-#: Such steps are no longer than this, in lengths and radians: how ratios go is not known over
-#: longer ones. At tolerances above that, and where drivers determine the motion, none is longer
-#: than this: stages may pass by such a place, unless ratios are as level as this. Where there are
-#: so many stages they lie twice as densely, but two bodies turn towards each other by twice as
-#: much: by less than half a turn, so that no step passes two such places.
+#: Longest motion of bodies in a step that is checked for other branches, in lengths of the scene or
+#: radians: how branch ratios vary is not known over longer ones.
 LONGEST_NEAR_BRANCHES = 0.75
+#: Tolerance above which the motion in every step is limited, so that no stages pass by a place
+#: where branches meet. Where drivers determine the motion it is so at every tolerance.
 LOOSE_TOLERANCE = 1e-3
+#: Longest motion of bodies in a step that is limited for this reason, in lengths of the scene or
+#: radians.
 LONGEST_IF_LOOSE = 1.2
+#: Number of stages from which on a method has many: they lie twice as densely in a step.
 MANY_STAGES = 12
+#: Longest motion of bodies, instead of LONGEST_IF_LOOSE, where drivers determine it and the method
+#: has many stages. Two bodies turn towards each other by twice as much, which is less than half a
+#: turn: no step passes two places where branches meet.
 LONGEST_OF_MANY_STAGES = 1.5
+#: These limits do not apply where the smallest branch ratio in a step exceeds this part of the
+#: largest: no place where branches meet is passed by if ratios are as level as that.
 LEVEL_RATIO_PART = 0.999
-#: Factors of errors of steps whose estimates compare two results that are off alike.
-#: So they do from a place on where a force goes with t^p: the error is 64 times what they tell for
-#: p = 0.1, 37 times for a square root and 11 times for p = 1.5, with many stages 7, 5 and 3 times.
-#: Of steps over steep rises of forces it is more than 100 times that in one of 200, without this.
+#: Factor of the estimated error where the two results that an estimate compares are off alike. They
+#: are from a place on where a force goes with t^p: the error is 64 times the estimate for p = 0.1,
+#: 37 times for a square root and 11 times for p = 1.5. Over steep rises of forces the error of one
+#: step in 200 is more than 100 times the estimate without this factor.
 BLIND_ERROR = 40.0
+#: The same factor for methods with many stages, where the error is 7, 5 and 3 times the estimate
+#: for these p.
 BLIND_ERROR_OF_MANY_STAGES = 5.0
-#: Where the line through two roots leads to less than this part of the next one, the root may have
-#: changed its sign in between.
+#: The root of the branch ratio may have changed its sign between two stages if a line through the
+#: roots at one of them and at the stage beyond it leads to less than this part of the root at the
+#: other one.
 SIGN_CHANGE_PART = 0.2
-#: A step after one that tells how long it may be is this part of that.
+#: Safety factor of a step length that follows from a longest motion of bodies.
 LIMITED_STEP_PART = 0.98
-#: A step is not made shorter than this to find its branch.
+#: Motion of bodies in a step, in lengths of the scene or radians, below which it is not shortened
+#: any more to find its branch.
 SHORTEST_BRANCH_WAY = 1e-4
-#: Step-size control, see docs/dynamics.md: h times the safety factor, error^(-0.8 / k) and the
-#: error of the step before^(0.2 / k), with the order k. That is the PI controller of Gustafsson,
-#: ACM Trans. Math. Softw. 17 (1991), with k_P = 0.2 / k and k_I + k_P = 0.8 / k: the earlier error
-#: damps steps that swing about a bound of stability. A step is this much shorter than what would
-#: meet the tolerance.
+#: Safety factor of the step-size control h SAFETY error^(-0.8 / k) error_before^(0.2 / k) with the
+#: order k, see docs/dynamics.md. It is the PI controller of Gustafsson, ACM Trans. Math. Softw. 17
+#: (1991), with k_P = 0.2 / k and k_I + k_P = 0.8 / k.
 SAFETY = 0.8
+#: Exponent of the error of a step, times -k: (k_I + k_P) k.
 ERROR_EXPONENT = 0.8
+#: Exponent of the error of the step before, times k: k_P k. It damps steps whose lengths swing
+#: about a bound of stability.
 EARLIER_ERROR_EXPONENT = 0.2
-#: The error before counts as no less: else one that is zero by chance makes the next step short.
+#: Lower bound of the error of the step before, in units of the tolerance: one that is zero by
+#: chance would make the next step short.
 LEAST_EARLIER_ERROR = 1e-4
-#: By how much a step is longer or shorter than the one before it: estimates are local, and tell
-#: nothing further on; not longer after one that was rejected. See Hairer, Nørsett, Wanner, Solving
-#: Ordinary Differential Equations I, II.4.
+#: Largest ratio of a step length to the one before, 1 after a rejected step: error estimates are
+#: local and tell nothing further on. See Hairer, Nørsett, Wanner, Solving Ordinary Differential
+#: Equations I, II.4.
 MOST_STEP_FACTOR = 10.0
+#: Smallest ratio of a step length to the one before.
 LEAST_STEP_FACTOR = 0.2
-#: The error of a trial that tells none, as it cannot be kept: the next is as short as may be.
+#: Error, in units of the tolerance, of a trial that cannot be kept and whose error tells nothing:
+#: the next one is much shorter.
 REFUSED_ERROR = 1e3
-#: Two estimates of DOP853, e of order 5 and e_2 of order 3, together go with h^8 as its error does,
-#: e^2 / sqrt(e^2 + 0.01 e_2^2): the same book, II.10.
+#: Weight of the estimate e_2 of order 3 beside e of order 5 in the error of DOP853, e^2 / sqrt(e^2
+#: + 0.01 e_2^2): it goes with h^8 as the error does. The same book, II.10.
 WORSE_ESTIMATE_PART = 0.01
-#: What velocities are compared with, beside themselves: the largest so far, but no more than moves
-#: bodies by a part of a length in the step, and no less than rounding leaves where nothing moves,
-#: in the longest step so far: in a short one rates of what does move are no larger.
+#: Scale of velocity errors, beside the velocities: the running maximum speed, clamped to between
+#: NOTHING_MOVES over the longest step so far and this number over the step, in lengths of the scene
+#: or radians. Below the lower bound speeds are rounding; it is no larger in a short step, as the
+#: rates of what does move are not.
 USUAL_STEP_MOTION = 0.05
-#: Errors of works of DOP853 are compared with so many times the energy that moves at most: with as
-#: much as the verdict allows.
-MOST_MOVED = 100.0
-#: A first step in the time in which bodies move a length of the scene, or a radian; where nothing
-#: moves yet, in the whole time; and how much longer it may be than the Euler step that tells how
-#: derivatives change, the same book, II.4.
+#: Motion of bodies in the Euler step that precedes the first step, in lengths of the scene or
+#: radians: it tells how derivatives change. Also the factor of the tolerance from which the length
+#: of the first step follows. The same book, II.4.
 FIRST_STEP_MOTION = 0.01
+#: Length of this Euler step where nothing moves yet, relative to the whole time.
 FIRST_STEP_SPAN_PART = 1e-6
+#: Largest ratio of the first step to this Euler step.
 MOST_FIRST_FACTOR = 100.0
 
 
@@ -167,34 +199,35 @@ class Trial:
     Parameters
     ----------
     h, end : float [s]
-        Its length, and where it ends.
+        Its length, and the time of its end.
     is_last : bool
-        Whether it ends where the step does at most.
+        Whether it ends at the latest time that the step may reach.
     drift, error : float
-        Largest correction, negative where a stage is impossible; error in units of the tolerance.
+        Correction of its end onto the constraints, in lengths of the scene or radians, negative
+        where a stage is impossible; error in units of the tolerance.
     error_if_blind : float
-        The error if estimates may be blind.
+        Error to be taken where estimates may be blind: the worse estimate times its factor.
     moved : float [J]
-        The energy that has moved at its end, where rows are checked or there are works.
+        Energy that has moved up to its end, where rows are checked or there are works.
     least_ratio, most_ratio, last_ratio : float
-        Of the pivot ratios of its stages, and that of the end.
+        Smallest and largest pivot ratio of its stages, and pivot ratio of its end.
     end_ratio, top_ratio : float
-        What tells branches at the end, see ``pivot_monitor.py``, and the largest of all stages.
+        Branch ratio at its end, see ``pivot_monitor.py``, and largest one of its stages.
     inner_ratio, inner : float
-        The same of a stage inside, and at which part of the step it is; 0 where there is none yet.
+        Branch ratio of a stage inside, and its part of the step; 0 where there is none yet.
     dip_ratio, dip : float
-        The same of the smallest inside.
+        Smallest branch ratio of the stages inside, and its part of the step.
     parts, roots : list of float
-        Parts of the step in order, that of a stage before it among them, and roots of what tells
-        branches there.
+        Parts of the step in order, with that of a stage of the step before, which is negative, and
+        roots of the branch ratio there.
     branch : int
-        Whether it may end on another branch, see ``branches.py``.
+        Verdict on whether it may end on another branch, see ``branches.py``.
     longest : float [s]
-        How long it may be to tell that, where it is longer, else 0.
+        Length at which its ratios tell of other branches, where it is longer, else 0.
     is_good, is_whole : bool
-        Whether stages lead to its end, and whether it can be kept.
+        Whether all stages up to its end exist, and whether it may be kept if its error is small.
     is_vague : bool
-        Whether its length is fixed, and its error large.
+        Whether its length is fixed and its relative error is larger than ``LEAST_PART``.
     """
 
     h: float
@@ -233,18 +266,29 @@ class Attempts:
     search : Search
         For what crosses in the last one.
     asked, end, limit : float [s]
-        Next time to be written; where the step ends at most, and may.
+        Next time to be written; latest end of the step, now and before it was cut.
     is_fixed, has_switches : bool
         Whether its length is asked for; whether formulas of the state switch, or tell events.
-    best, best_h, avoided : float, float [s], int
-        Of the pivot ratios of those with nearly dependent rows; its length; how many there were.
+    best : float
+        Largest pivot ratio of a trial with nearly dependent rows, each taken at its worst stage.
+    best_h : float [s]
+        Length of this trial.
+    avoided : int
+        Number of trials with nearly dependent rows.
     is_beyond : bool
-        Whether the end is to lie inside of the step.
-    is_rejected, is_guessed : bool
-        Whether one had too large an error, and was cut short for what is seen in it but distances.
-    shorter, thrown, coarse, polished : int
-        How often for narrow parts, and for stages that pass a switch by; how often one had few
-        samples of a part that varies, and how often an event was found again.
+        Whether the step is to go beyond its latest end, where rows are nearly dependent.
+    is_rejected : bool
+        Whether a trial had too large an error.
+    is_guessed : bool
+        Whether a trial was cut short for anything but a distance or a jump.
+    shorter : int
+        How often samples of parts that vary with the state were looked at to shorten a trial.
+    thrown : int
+        How often a trial was shortened for a stage beyond a switch that its polynomial misses.
+    coarse : int
+        How often samples were few for how a part varies in a trial.
+    polished : int
+        How often an event was located again.
     status : Status
         ``GOOD``, or why there is no step.
     """
@@ -323,8 +367,9 @@ def usual_energy(rate: float, scene: SceneTables) -> float:
 def energy_of_works(h: float, end: Array, moved: float, state: State, work: Work) -> float:
     """Energy [J] that errors of works are compared with, where so much [J] has moved in h [s].
 
-    It is that of all bodies at the usual rate up to the end (ny,), and may be far less where they
-    move at all: where one of them is fast heavy ones may stand.
+    It is that of all bodies at the usual rate up to the end (ny,), or the energy that has moved if
+    that is less: where one body is fast, heavy ones may stand. It is no less than that of all
+    bodies at a rate that counts as rest.
     """
     usual = usual_energy(usual_rate(h, end, state, work), work.scene)
     least = usual_energy(NOTHING_MOVES / larger(state.stride, h), work.scene)
@@ -385,8 +430,7 @@ def estimate(
     errors[0] /= scene.lengths
     errors[1] /= rate * scene.lengths + np.maximum(np.abs(now[nq:]), np.abs(end[nq:]))
     works = slice(nq - scene.works, nq)  # work is compared with the energy that moves
-    # where the polynomial has an order less works between steps are no better
-    moved = (1.0 if m.order == 5 else MOST_MOVED) * larger(state.moved, trial.moved)
+    moved = m.work_scale * larger(state.moved, trial.moved)
     least = energy_of_works(trial.h, end, moved, state, work) + work.w.energies[0]
     size = least + np.maximum(np.abs(now[works]), np.abs(end[works]))
     all_errors = np.concatenate((errors.ravel(), error[works] / size))
@@ -394,9 +438,9 @@ def estimate(
 
 
 def tells_drift(trial: Trial, state: State, work: Work) -> bool:
-    """Whether the drift of a step off the constraints tells of its error.
+    """Whether the drift of a step off the constraints is due to its error.
 
-    Neither drivers nor rows that take over lead it there, and it is no rounding.
+    It is not where drivers or rows that take over cause it, or near a singularity, by rounding.
     """
     if work.scene.has_drivers or work.row_switch is not None:
         return False
@@ -456,7 +500,7 @@ def norm_error(m: RungeKuttaMethod, h: float, state: State, work: Work) -> float
 
 
 def note_root(part: float, root: float, trial: Trial) -> None:
-    """Note the root of what tells branches at a part of a step, in order."""
+    """Note the root of the branch ratio at a part of a step, in order."""
     n = len(trial.parts)
     while n > 0 and trial.parts[n - 1] >= part:
         n -= 1
@@ -468,7 +512,7 @@ def note_root(part: float, root: float, trial: Trial) -> None:
 
 
 def note_stage_ratios(part: float, trial: Trial, work: Work, state: State) -> None:
-    """Note the pivot ratios of a stage at a part of a step."""
+    """Note the pivot ratio and the branch ratio of a stage at a part of a step."""
     trial.last_ratio = last_ratio(work, state)
     trial.least_ratio = smaller(trial.least_ratio, trial.last_ratio)
     trial.most_ratio = larger(trial.most_ratio, trial.last_ratio)
@@ -515,9 +559,9 @@ def make_dense_stages(m: RungeKuttaMethod, trial: Trial, work: Work, state: Stat
 
 
 def is_thrown_off(m: RungeKuttaMethod, trial: Trial, work: Work) -> bool:
-    """Whether stages that do not count at its end meet a force that the others of a trial pass by.
+    """Whether stages with zero weight at its end meet a force that the others of a trial miss.
 
-    Its polynomial is thrown off, and it is too long for what its error does not tell.
+    The force makes its polynomial useless, and its error does not tell of it: it is too long.
     """
     nq, size_of, weights = work.scene.nq, work.w.size_of, (*m.a[m.stages], 1.0)
     counted, uncounted = size_of(work.y[nq:]) / trial.h, 0.0
@@ -531,7 +575,7 @@ def is_thrown_off(m: RungeKuttaMethod, trial: Trial, work: Work) -> bool:
 
 
 def least_of_parabola(trial: Trial, state: State) -> float:
-    """Minimum of a parabola through pivot ratios of a step, and of those of its stages."""
+    """Minimum of a parabola through branch ratios of a step, and of those at its stages."""
     first, last, x = state.position_ratio, trial.end_ratio, trial.inner
     quadratic = ((trial.inner_ratio - first) / x - (last - first)) / (x - 1.0)
     slope = last - first - quadratic
@@ -541,21 +585,21 @@ def least_of_parabola(trial: Trial, state: State) -> float:
 
 
 def falls_to(part: float, trial: Trial, state: State, work: Work) -> bool:
-    """Whether the least ratio of a step falls to a part of those at its ends."""
+    """Whether the smallest branch ratio of a step is below a part of the larger one at its ends."""
     ends = larger(state.position_ratio, trial.end_ratio)
     return least_of_parabola(trial, state) < part * smaller(ends, usual_ratio(work, state))
 
 
 def meeting_part(first: float, last: float) -> float:
-    """Part of a step at which branches seem to meet.
+    """Part of a step at which branches seem to meet, from roots of branch ratios at its ends.
 
-    Roots of ratios at its ends, which go with the distance from there, tell that.
+    These roots go with the distance from the place where branches meet.
     """
     return first / (first + last) if first + last > 0.0 else 0.5
 
 
 def dipping_part(first: float, last: float, trial: Trial) -> float:
-    """Part at which branches seem to meet if a stage has a small ratio: before or behind it."""
+    """Part at which branches seem to meet, before or behind a stage with a small branch ratio."""
     dip, x = math.sqrt(trial.dip_ratio), trial.dip
     if meeting_part(first, last) > x:
         return x + (1.0 - x) * dip / (dip + last)
@@ -563,10 +607,10 @@ def dipping_part(first: float, last: float, trial: Trial) -> float:
 
 
 def sign_change(trial: Trial) -> tuple[float, float]:
-    """Part of a step at which roots seem to change their sign, and how steeply they do.
+    """Part of a step at which roots of branch ratios change their sign, and their slope there.
 
-    They go with the distance from a place where branches meet, so that lines through two of them
-    tell the next. The slope is 0 where none changes its sign.
+    These roots go with the distance from a place where branches meet, but are known without a sign:
+    lines through two of them tell the sign of the next. The slope is 0 if none changes its sign.
     """
     x, r = trial.parts, trial.roots
     part, slope, least = 0.0, 0.0, math.inf
@@ -585,7 +629,7 @@ def sign_change(trial: Trial) -> tuple[float, float]:
 
 
 def longest_way(tried: Attempts, trial: Trial, work: Work, state: State) -> float:
-    """Longest way of a step on which ratios tell of branches, in lengths and rad, or infinite."""
+    """Longest motion of a step whose stages show branches, in lengths and rad, or infinite."""
     is_loose = work.scene.is_driven or tried.s.tolerance > LOOSE_TOLERANCE
     if not work.scene.has_refinement or not is_loose or tried.is_fixed:
         return math.inf
@@ -597,7 +641,7 @@ def longest_way(tried: Attempts, trial: Trial, work: Work, state: State) -> floa
 
 
 def is_short(longest: float, trial: Trial, state: State, work: Work) -> bool:
-    """Whether a step is no longer than the longest way: else it is made again."""
+    """Whether bodies move in a step by no more than the longest way: else it is made again."""
     travel = work.w.way_of(trial.h, state.y, work.y) if longest < math.inf else 0.0
     if not travel > longest:
         return True
@@ -723,8 +767,9 @@ def is_near_power(tried: Attempts, trial: Trial, work: Work, state: State) -> bo
 def error_where_coarse(tried: Attempts, trial: Trial) -> float:
     """Error of a trial in which samples are few for how a part varies: as if estimates were blind.
 
-    Beside an infinite force, and where rounding decides, no step is short enough for that: not for
-    ever, and of no step that is a tiny part of the time.
+    Beside an infinite force, and where rounding decides, samples are few in every step, however
+    short. So this is done a limited number of times, and not in a step that is a tiny part of the
+    time.
     """
     tried.coarse += 1
     tiny = FINEST * larger(abs(trial.end), abs(tried.limit))
@@ -864,11 +909,11 @@ def crossing_in(tried: Attempts, trial: Trial, work: Work, state: State) -> floa
 
 
 def resolved_in(until: float, tried: Attempts, trial: Trial, work: Work, state: State) -> float:
-    """Time [s] at which a trial must end so that samples up to a time resolve narrow parts.
+    """Time [s] at which a trial must end so that samples up to a time resolve parts of formulas.
 
-    Where they are few it has the error of blind estimates: those of a step that ends beside the
-    middle of a steep rise have been a hundredth of a tolerance where it was off by 500, as stages
-    lie on both sides.
+    If samples are few, the trial gets the error of blind estimates. In a step that ended beside the
+    middle of a steep rise, with stages on both sides, the estimate was a hundredth of a tolerance
+    and the error 500.
     """
     search, to = tried.search, trial.end
     if not work.scene.has_narrow or not is_kept(trial):
@@ -894,8 +939,8 @@ def resolved_in(until: float, tried: Attempts, trial: Trial, work: Work, state: 
 def met_in(until: float, tried: Attempts, trial: Trial) -> float:
     """Time [s] at which a trial must end so that its polynomial meets what its stages do.
 
-    Where it cannot be shorter for that, what stages of the polynomial alone meet is noted: of the
-    others an error tells.
+    If it has been shortened for that too often, a switch that a stage of the dense output alone
+    meets is noted as unresolved: of those that other stages meet the error tells.
     """
     search, is_cut = tried.search, trial.end == tried.search.cut  # at a cut rounding decides
     if not tried.has_switches or not is_kept(trial) or tried.is_beyond or is_cut:
@@ -975,7 +1020,7 @@ def ends_well(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
 
 
 def keep(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
-    """Keep a trial, and note its crossings, and narrow parts that it leaves open."""
+    """Keep a trial, and note its crossings, and whether it leaves parts unresolved."""
     search, before = tried.search, state.step_size
     accept(tried, trial, work, state)
     if not work.scene.is_searched:

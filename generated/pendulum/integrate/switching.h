@@ -5,39 +5,52 @@
  * polynomials are bounded likewise: a step is at most as long as the times between which samples
  * tell how such a part varies, so that none leaps over a narrow bump. */
 
-/* how many intervals a search looks at before the run goes on to where it came */
+/* largest number of intervals that a search looks at; then the run goes on to where the search
+ * came */
 #define MOST_INTERVALS 4096
-/* in how many of them laws of drivers are looked at: where their bounds do not tell that soon
- * whether they bend, that is gone over and counted */
+/* number of these intervals after which laws of drivers are no longer looked at: a law whose bounds
+ * do not tell by then whether it bends is gone over, and counted */
 #define MOST_BOUNDS 4000
-/* so many steps in a row may be shorter by that factor than the longest before, which fades; then
- * steps go on unbounded, until they are long again. The longest are what was tried, but no more
- * than a few times what was made: a span says nothing of how long steps could be */
+/* number of short steps in a row after which samples bound steps no more, until steps are long
+ * again */
 #define MOST_SHORT 1000
+/* a step is short if samples bound it below this part of the longest step tried */
 #define SHORT 1e-4
+/* the longest step tried is taken as no more than this many times the longest one made: a span says
+ * nothing of how long steps could be */
 #define GROWTH 10.0
+/* factor by which the longest step tried fades in each step */
 #define FORGETTING 0.9999
+/* steps are long again from this part of the longest step tried */
 #define LONG 0.1
-/* how far on both sides of a switch the laws of drivers are looked at, in parts of the time: one of
- * these tells that they go on smoothly; what rounding leaves of them, relative to what they are;
- * how much the third derivative may be beyond that on the sides */
+/* larger distance from a switch at which laws of drivers are compared on both sides, relative to
+ * the time: no law bends there that goes on smoothly as seen from one of both distances */
 #define FAR_BESIDE 1e-6
+/* smaller distance at which they are compared */
 #define BESIDE 1e-7
+/* rounding of laws of drivers, relative to their values */
 #define EQUAL 1e-12
-/* how far behind a switch a force has a value, in parts of the time, if it has one */
+/* distance behind a switch up to which forces are tried until they have values, relative to the
+ * time: a force may be infinite at the switch itself */
 #define FURTHEST_BEHIND 1e-12
+/* factor by which the third derivative of a law may exceed those on both sides of a switch */
 #define BENDING 4.0
-/* where forces may be too steep for doubles bodies are displaced by rounding, and by so many times
- * that; what explains changes of both but for this part is a slope, or a kink. What is pushed back
- * so many times as far as it is displaced until the end swings: once and a half or more often */
+/* ratio of each displacement of bodies to the one before, of which the first is their rounding:
+ * three of them tell whether forces are too steep for doubles */
 #define FAR_BY_ROUNDING 16.0
+/* changes of forces by two such displacements are those of a slope if they deviate from it by at
+ * most this part of the larger change */
 #define EVEN_SLOPE 0.03
+/* their means over both sides are those of a kink if they deviate from it by at most this part */
 #define EVEN_KINK 0.01
+/* a body that is pushed back by more than this many times its displacement until the end of the run
+ * swings: once and a half or more often */
 #define SWINGS 100.0
-/* multiples of it lie evenly between integers; what scatters their squares */
+/* multiples of this number lie evenly between integers */
 #define GOLDEN_RATIO 0.6180339887498949
+/* factor of the squares of these multiples that scatters them between integers */
 #define SCATTERING 997.0
-/* samples of an interval, by pieces between them */
+/* number of pieces of an interval, with a sample at each end of them */
 #define PIECES 4
 
 /* least, most, slowest and fastest of switching functions and of parts that vary, to the workspace
@@ -86,9 +99,10 @@ static void bound_laws(double first, double last, double *w)
     bending(w);
 }
 
-/* whether rates of laws change evenly between two times within a time that is none, all but a small
- * part of them: as bounds of the third derivatives tell. Those of a law that is at rest there are
- * compared with its rate further away, or with itself over the whole time */
+/* whether rates of laws change evenly within rounding of times, all along between two times. The
+ * uneven change, from bounds of the third derivative, is at most the part BENT of the rate. If the
+ * law is at rest there, it is compared with its rate further away, or with the law itself over the
+ * whole time */
 static int are_unbent(double first, double last, double span, double *w)
 {
     double change[ROOM(N_LAWS)], size[ROOM(N_LAWS)];
@@ -118,8 +132,8 @@ static int are_unbent(double first, double last, double span, double *w)
     return 1;
 }
 
-/* adds what rounding may leave of laws and their derivatives at a time: they may be differences of
- * what is much larger, bounds over a time that is none tell by how much */
+/* adds the error that rounding may leave of laws and two derivatives at a time. They may be
+ * differences of much larger terms: bounds within rounding of the time tell it */
 static void law_rounding(double time, double span, double *rounding, double *w)
 {
     const double no_time = NO_TIME * SMALLEST * span;
@@ -130,9 +144,9 @@ static void law_rounding(double time, double span, double *rounding, double *w)
     }
 }
 
-/* the first law of a driver that does not go from a time to another with two derivatives, as so far
- * beside both tells, counted from 1, or 0: of each what it changes by is what the next one tells of
- * both sides, and between its value is between theirs, where it has one */
+/* first law without two derivatives between two times, counted from 1, or 0. Values at a distance
+ * beside both times tell it: the law and each derivative change by the mean of the next derivative
+ * on both sides, and the law in between lies between its values, if it has one there */
 static size_t bent_beside(double far, double first, double last, double span, double *w)
 {
     double laws[ROOM(4 * N_LAWS)], between[ROOM(N_LAWS)], rounding[ROOM(N_LAWS)] = { 0.0 };
@@ -230,8 +244,8 @@ static void find_switch(double end, State *s, Work *work)
     s->limit = s->behind = N_SWITCHES == 0 && first == end ? HUGE_VAL : first;
 }
 
-/* puts bodies behind a switch, or so little further that a force has a value that is infinite at
- * it, as log|t - 5| is */
+/* puts bodies behind a switch; whether forces have values there. If a force is infinite at the
+ * switch, as log|t - 5| is, they are put a little further behind it */
 static int is_put_behind(double span, State *s, Work *work)
 {
     for (double further = SMALLEST; further < FURTHEST_BEHIND; further *= FURTHER) {
@@ -242,10 +256,11 @@ static int is_put_behind(double span, State *s, Work *work)
     return 0;
 }
 
-/* notes what a force that is infinite at a switch may do while bodies are put behind it: nothing
- * moves there, and no times are told apart that are nearer to it. How far both sides are from each
- * other, times what accelerates bodies on these, is as much, as of 1/sqrt|t - 5|, or tells that it
- * is far too much. Where no force can be infinite that is no more than rounding */
+/* notes what a force that is infinite at a switch may do while bodies are put behind it. Nothing
+ * moves there, and rounding hides times that are nearer to the switch. The change of speed is
+ * estimated as the time between both sides times the accelerations on both: that is its size for
+ * 1/sqrt|t - 5|, or so large that it tells of a steeper force. Where no force can be infinite it is
+ * no more than rounding */
 static void note_impulse(double before, double acceleration, State *s, Work *work)
 {
     const double exact[ROOM(N_READ)] = { 0.0 }, times[2] = { before, s->time };
@@ -279,8 +294,9 @@ static void widths_of(
     }
 }
 
-/* which such parts change, by what rounding leaves of what they read, as none does that has a
- * slope: much more than a sixteenth of what they do by as many times that; how many they are */
+/* which such parts change, by rounding of what they read, as none that has a slope; how many they
+ * are. Such a part changes by much more than a sixteenth of its change by sixteen times the
+ * rounding */
 static size_t find_steep(
     const double *read, const double *noise, double time, double *w, int *is_steep)
 {
@@ -398,9 +414,9 @@ static void note_steepness(double start, double end, State *s, Work *work)
     s->impulse_time = s->time;
 }
 
-/* goes over the switch that a step has come to, and finds the next one. What is before it and what
- * is behind it is told by formulas on that side; nothing moves in between. Drivers that jump
- * there lead no further, nor those by which points meet */
+/* goes over the switch that a step has come to, and finds the next one. Formulas of each side hold
+ * on that side; nothing moves in between. The run ends at the switch if the law of a driver bends
+ * or jumps there, or a driven distance becomes zero */
 static int meet_switches(double end, State *s, Work *work)
 {
     while (s->time < end && !(s->time < s->limit)) {

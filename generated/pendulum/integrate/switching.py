@@ -43,39 +43,52 @@ if TYPE_CHECKING:
     from .scene_tables import Work, Workspace
     from .state import State
 
-#: How many intervals a search looks at before the run goes on to where it came.
+#: Largest number of intervals that a search looks at; then the run goes on to where the search
+#: came.
 MOST_INTERVALS = 4096
-#: In how many of them laws of drivers are looked at: where their bounds do not tell that soon
-#: whether they bend, that is gone over and counted.
+#: Number of these intervals after which laws of drivers are no longer looked at: a law whose bounds
+#: do not tell by then whether it bends is gone over, and counted.
 MOST_BOUNDS = 4000
-#: So many steps in a row may be shorter by that factor than the longest before, which fades. Then
-#: steps go on unbounded, until they are long again. The longest are what was tried, but no more
-#: than a few times what was made: a span says nothing of how long steps could be.
+#: Number of short steps in a row after which samples bound steps no more, until steps are long
+#: again.
 MOST_SHORT = 1000
+#: A step is short if samples bound it below this part of the longest step tried.
 SHORT = 1e-4
+#: The longest step tried is taken as no more than this many times the longest one made: a span says
+#: nothing of how long steps could be.
 GROWTH = 10.0
+#: Factor by which the longest step tried fades in each step.
 FORGETTING = 0.9999
+#: Steps are long again from this part of the longest step tried.
 LONG = 0.1
-#: Distances on both sides of a switch at which laws of drivers are looked at, in parts of the time:
-#: at one of them they go on smoothly. Rounding of laws, relative to their values.
+#: Larger distance from a switch at which laws of drivers are compared on both sides, relative to
+#: the time: no law bends there that goes on smoothly as seen from one of both distances.
 FAR_BESIDE = 1e-6
+#: Smaller distance at which they are compared.
 BESIDE = 1e-7
+#: Rounding of laws of drivers, relative to their values.
 EQUAL = 1e-12
-#: How far behind a switch a force has a value, in parts of the time, if it has one.
+#: Distance behind a switch up to which forces are tried until they have values, relative to the
+#: time: a force may be infinite at the switch itself.
 FURTHEST_BEHIND = 1e-12
-#: Factor by which the third derivative may exceed that on the sides.
+#: Factor by which the third derivative of a law may exceed those on both sides of a switch.
 BENDING = 4.0
-#: Where forces may be too steep for doubles bodies are displaced by rounding, and by so many times
-#: that. Changes by both are those of a slope, or of a kink, but for these parts. What is pushed
-#: back so many times as far as it is displaced until the end swings: once and a half or more often.
+#: Ratio of each displacement of bodies to the one before, of which the first is their rounding:
+#: three of them tell whether forces are too steep for doubles.
 FAR_BY_ROUNDING = 16.0
+#: Changes of forces by two such displacements are those of a slope if they deviate from it by at
+#: most this part of the larger change.
 EVEN_SLOPE = 0.03
+#: Their means over both sides are those of a kink if they deviate from it by at most this part.
 EVEN_KINK = 0.01
+#: A body that is pushed back by more than this many times its displacement until the end of the run
+#: swings: once and a half or more often.
 SWINGS = 100.0
-#: Multiples of it lie evenly between integers; what scatters their squares.
+#: Multiples of this number lie evenly between integers.
 GOLDEN_RATIO = 0.6180339887498949
+#: Factor of the squares of these multiples that scatters them between integers.
 SCATTERING = 997.0
-#: Samples of an interval, by pieces between them.
+#: Number of pieces of an interval, with a sample at each end of them.
 PIECES = 4
 
 
@@ -136,8 +149,9 @@ def bound_laws(first: float, last: float, w: Workspace) -> Array:
 def are_unbent(first: float, last: float, span: float, w: Workspace) -> bool:
     """Whether rates of laws change evenly within rounding of times, all along between two times.
 
-    All but a small part of them: as bounds of the third derivatives tell. Those of a law that is at
-    rest there are compared with its rate further away, or with itself over the whole time.
+    The uneven change, from bounds of the third derivative, is at most the part ``BENT`` of the
+    rate. If the law is at rest there, it is compared with its rate further away, or with the law
+    itself over the whole time.
     """
     no_time, laws = NO_TIME * SMALLEST * span, np.abs(bound_laws(first, last, w))
     fastest = largest(laws[:, 1, 0], laws[:, 1, 1])
@@ -177,8 +191,9 @@ def law_rounding(time: float, span: float, w: Workspace) -> Array:
 def bent_beside(far: float, first: float, last: float, span: float, w: Workspace) -> int:
     """First law without two derivatives between two times, counted from 1, or 0.
 
-    As values so far beside both tell: the law and each derivative change by the mean of the next
-    derivative there, and the law in between is between its values, where it has one.
+    Values at a distance beside both times tell it: the law and each derivative change by the mean
+    of the next derivative on both sides, and the law in between lies between its values, if it has
+    one there.
     """
     rounding = law_rounding(first - far, span, w) + law_rounding(last + far, span, w)
     between = laws_at(0.5 * (first + last), w)[:, 0]
@@ -267,7 +282,7 @@ def find_switch(end: float, state: State, work: Work) -> None:
 def is_put_behind(span: float, state: State, work: Work) -> bool:
     """Put bodies behind a switch, and return whether forces have values there.
 
-    They are put so little further that one has that is infinite at the switch, as log|t - 5| is.
+    If a force is infinite at the switch, as log|t - 5| is, they are put a little further behind it.
     """
     further = SMALLEST
     while further < FURTHEST_BEHIND:
@@ -282,9 +297,10 @@ def is_put_behind(span: float, state: State, work: Work) -> bool:
 def note_impulse(before: float, acceleration: float, state: State, work: Work) -> None:
     """Note what a force that is infinite at a switch may do while bodies are put behind it.
 
-    Nothing moves there, and rounding hides times that are nearer to it. The time between both
-    sides, times accelerations of bodies on these, is as much, as of 1/sqrt|t - 5|, or tells that it
-    is far too much. Where no force can be infinite that is no more than rounding.
+    Nothing moves there, and rounding hides times that are nearer to the switch. The change of speed
+    is estimated as the time between both sides times the accelerations on both: that is its size
+    for 1/sqrt|t - 5|, or so large that it tells of a steeper force. Where no force can be infinite
+    it is no more than rounding.
     """
     w, scene, n = work.w, work.scene, len(state.sides)
     if scene.n_poles == 0:
@@ -314,7 +330,7 @@ def widths_of(read: Array, noise: Array, time: float, w: Workspace) -> tuple[Arr
 def find_steep(read: Array, noise: Array, time: float, w: Workspace) -> Flags:
     """Parts (n,) of forces that change, by rounding of what they read, as none that has a slope.
 
-    That is by much more than a sixteenth of their changes by sixteen times the rounding.
+    Such a part changes by much more than a sixteenth of its change by sixteen times the rounding.
     """
     wider, _ = widths_of(read, FAR_BY_ROUNDING * noise, time, w)
     widths, sizes = widths_of(read, noise, time, w)
@@ -414,8 +430,8 @@ def note_steepness(start: float, end: float, state: State, work: Work) -> None:
 def meet_switches(end: float, state: State, work: Work) -> Status:
     """Go over the switch that a step has come to, and find the next one.
 
-    What is before it and what is behind it is told by formulas on that side; nothing moves in
-    between. Drivers that jump there lead no further, nor those by which points meet.
+    Formulas of each side hold on that side; nothing moves in between. The run ends at the switch if
+    the law of a driver bends or jumps there, or a driven distance becomes zero.
     """
     while state.time < end and not state.time < state.limit:
         if state.behind > state.time:

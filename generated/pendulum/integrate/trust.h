@@ -1,16 +1,24 @@
 /* Verdict on a run: what speaks against it, and what its numbers may be. */
 
-/* what a healthy run may lose, in tolerances, in each thousand steps, and at most, in parts of all
- * that moves; what stands for the tolerance
- * where steps have a fixed length; the least one of corrections; what energies are known to; what
- * rows that are left out miss by rounding; the energy of heat, which is no motion [J] */
+/* largest loss of a healthy run in each thousand steps, in tolerances */
 #define HEALTHY 100.0
+/* number of steps in which a run may lose that */
 #define PER_STEPS 1000.0
+/* largest loss of a healthy run however many steps it has, relative to all that moves */
 #define MOST_LOST 0.5
+/* value in place of the tolerance where steps have a fixed length: the tolerance does not decide
+ * their error */
 #define FIXED 1e-9
+/* smallest tolerance that the limit of corrections is computed with: near singular configurations
+ * rounding makes them larger */
 #define LEAST 1e-11
+/* rounding of energies and of constraints, relative to what they are compared with */
 #define KNOWN 1e-12
+/* misses of rows that are left out, in lengths of the scene or radians, below which they are
+ * rounding */
 #define MISSES 1e-9
+/* energy that is no motion where hardly anything moves [J]: the heat of one freedom at room
+ * temperature */
 #define HEAT 4e-21
 
 /* the largest residual in position of some rows, lengths relative to LENGTH; a NaN stays */

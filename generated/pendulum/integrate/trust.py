@@ -19,23 +19,27 @@ if TYPE_CHECKING:
     from .motion import Layout
     from .settings import Settings
 
-#: What a healthy run may lose, in tolerances, in each thousand steps.
+#: Largest loss of a healthy run in each thousand steps, in tolerances.
 HEALTHY = 100.0
+#: Number of steps in which a run may lose that.
 PER_STEPS = 1000.0
-#: However many these are, a run that lost half of all that moves is not healthy.
+#: Largest loss of a healthy run however many steps it has, relative to all that moves.
 MOST_LOST = 0.5
-#: Instead of the tolerance where steps have a fixed length: no error decides that.
+#: Value in place of the tolerance where steps have a fixed length: the tolerance does not decide
+#: their error.
 FIXED = 1e-9
-#: The least tolerance of corrections: near singular configurations they have more of rounding.
+#: Smallest tolerance that the limit of corrections is computed with: near singular configurations
+#: rounding makes them larger.
 LEAST = 1e-11
 #: Rounding of energies and of constraints, relative to what they are compared with.
 KNOWN = 1e-12
-#: Misses of rows that are left out are rounding below this, in lengths of the scene or radians.
+#: Misses of rows that are left out, in lengths of the scene or radians, below which they are
+#: rounding.
 MISSES = 1e-9
-#: An energy that is no motion where hardly anything moves: that of heat, of one freedom at room
-#: temperature [J].
+#: Energy that is no motion where hardly anything moves [J]: the heat of one freedom at room
+#: temperature.
 HEAT = 4e-21
-#: What shorter steps mend.
+#: Doubts that shorter steps remove.
 OF_STEPS = Doubt.ENERGY | Doubt.WORKS | Doubt.CONSTRAINTS | Doubt.DRIFT | Doubt.ROW_DRIFT
 
 
@@ -73,34 +77,35 @@ class Trust:
     Parameters
     ----------
     energy_error, energy_moved : float or None [J]
-        Largest change of energy that no work explains, and what that is compared with: the largest
-        sum of kinetic energy, change of potential energy and works. None where rows were not
-        checked, or drivers move bodies without mass.
+        Largest change of energy that no work explains, and the scale of this error: the largest sum
+        of kinetic energy, change of potential energy and works. None where rows were not checked,
+        or drivers move bodies without mass.
     work_error : float or None [J]
-        Under ``kinematics``, what a second rule of quadrature finds missing in works: energies of
-        rows cannot tell it where a load and its driver miss the same. Else None.
+        Under ``kinematics``, error of works as estimated by a second rule of quadrature: the energy
+        balance does not show it where the works of a load and of its driver miss the same. Else
+        None.
     constraints : float or None
         Largest residual of a constraint in position, relative to a length of the scene, or in
         radians; None where rows were not checked. Rows that are left out are not among them.
     missed, closure_tolerance : float
-        What rows that are left out miss at most, in the same units, and what they may.
+        Largest residual of rows that are left out, in the same units, and its limit.
     drift, row_drift : float or None
-        Largest correction onto the constraints of a step, and of a row between steps, which the
-        dense output tells, relative to a length of the scene; None where joints and drivers leave
-        nothing free: corrections then take away all of the error of a step or row.
+        Largest correction onto the constraints of a step, and of a row that the dense output gives
+        between steps, relative to a length of the scene. None where joints and drivers leave no
+        freedom: corrections then remove the whole error of a step or row.
     pivot_ratio : float or None
         Smallest pivot ratio: near zero at a singular configuration; None without constraints.
     unresolved : int
         Steps over which bounds do not tell how formulas vary: what acts for a moment there may be
         passed over.
     impulse, impulse_time : float or None, float or None [s]
-        What forces that are infinite, or too steep for doubles, may change velocities by where
-        rounding hides times and places, relative to the largest speed, where that is more than the
-        tolerance; when the last of these was.
+        Largest change of velocities, relative to the largest speed, by forces that are infinite or
+        too steep for doubles, so near to such a place that rounding hides it; and the time of the
+        last such force. None where the change is within the tolerance.
     stillness : float or None
-        How far bodies move in the longest step at most, in lengths of the scene or radians, where
-        that is so little that the tolerance does not tell the energy that moves from what steps
-        lose: at rest, or in a motion too small for this tolerance. Else None.
+        Largest motion of bodies in the longest step, in lengths of the scene or radians, where it
+        is so small that at this tolerance the energy that moves is not distinguished from the loss
+        of steps: at rest, or in a motion too small for the tolerance. Else None.
     below_tolerance : mapping of str to float
         Coordinates that rows show, then bodies, that move by no more than the limit in the whole
         run, and how far: in lengths of the scene or radians, the least first. Steps may lose as
@@ -112,14 +117,13 @@ class Trust:
     meeting_time : float or None [s]
         When it first went straight on where branches meet, or come nearer than rounding tells.
     error : kousoku.runtime.error_estimate.ErrorEstimate or None
-        Of all rows, where that was wanted.
+        Estimate of the error of all rows, where it was asked for.
     limit : float
-        What the others may be, relative to what they are compared with:
-        100 × tolerance × max(1, steps/1000), and no more than a half. Where rows that others imply
-        but for the closure tolerance took over from these, what they missed stands for a smaller
-        tolerance.
+        Largest value of the relative errors above, 100 × tolerance × max(1, steps/1000), at most
+        0.5. Where rows that were left out as redundant took over, the tolerance is replaced by the
+        largest miss of such rows, if that is larger.
     problems : tuple of str
-        What is beyond its limit, and what to do; empty where nothing speaks against the run.
+        Numbers beyond their limits, and what to do; empty where nothing speaks against the run.
     """
 
     energy_error: float | None
