@@ -1016,7 +1016,9 @@ static int are_narrow_resolved(double start, double end, Search *search, const S
         const double size = larger(-variations[k].least, variations[k].most);
         const double nothing = band[k] + negligible_variation(
                                              size, narrow_scales[k], search->tolerance, start, end);
-        const int sampling = sampling_of(&variations[k], STEADY * size, search->has_error, nothing);
+        /* no error tells of what works miss along drivers */
+        const double steady = IS_DRIVEN ? 0.0 : STEADY * size;
+        const int sampling = sampling_of(&variations[k], steady, search->has_error, nothing);
         if (sampling == UNRESOLVED) return 0;
         is_coarse = is_coarse || sampling == COARSE;
     }

@@ -1013,7 +1013,9 @@ def are_narrow_resolved(start: float, end: float, search: Search) -> bool:
         band, a = largest(half_width(b)[n], band), b
     size, scales = largest(-variation.least, variation.most), search.work.scene.narrow_scales
     nothing = band + negligible_variation(size, scales, search.tolerance, start, end)
-    sampling = sampling_of(variation, STEADY * size, nothing, has_error=search.has_error)
+    # no error tells of what works miss along drivers
+    steady = (0.0 if search.work.scene.is_driven else STEADY) * size
+    sampling = sampling_of(variation, steady, nothing, has_error=search.has_error)
     search.is_coarse = search.is_coarse or sampling == COARSE
     return sampling != UNRESOLVED
 

@@ -272,7 +272,7 @@ static double unbalanced(const Settings *settings, double h, const State *s, Wor
  * steps: periodic powers that are the same at both ends and in the middle differ at its nodes. The
  * error of Simpson's rule since the last trial goes to the ledger */
 static double sum_works(const Settings *settings, double end, double weak, int has_nodes, State *s,
-    Work *work, int *is_estimated)
+    Work *work, int *is_estimated, double *simpson)
 {
     const double h = end - s->time, *rate = s->f, *half = position_at(0, work).f;
     const double *f = position_at(1, work).f, *one = position_at(2, work).f;
@@ -316,7 +316,8 @@ static double sum_works(const Settings *settings, double end, double weak, int h
         missed = larger(fabs(more) / size, missed);
         y[k] += more;
     }
-    s->simpson = larger(missed / settings->tolerance, s->simpson);
+    *simpson = missed / settings->tolerance;
+    s->simpson = larger(*simpson, s->simpson);
     if (error < SURE_WORK_ERROR) {
         s->work_error += most / h * smaller(s->untold, RULE_TRIAL_STEPS * h);
         s->untold = 0.0;
@@ -324,11 +325,11 @@ static double sum_works(const Settings *settings, double end, double weak, int h
     return larger(estimated / settings->tolerance, ERROR_DECAY * s->error);
 }
 
-/* what is known of the works of a step: their error, in units of the tolerance, and at its end the
- * energy that no work explains, and that which has moved [J]; whether more positions estimated
- * it */
+/* what is known of the works of a step: their error, and that of Simpson's rule if more positions
+ * estimated it, in units of the tolerance; at its end the energy that no work explains, and that
+ * which has moved [J]; whether more positions estimated the error */
 typedef struct {
-    double error, balance, moved;
+    double error, simpson, balance, moved;
     int is_estimated;
 } WorkEstimate;
 
@@ -338,7 +339,9 @@ static void estimate_works(const Settings *settings, double end, double weak, si
 {
     const double *y = position_at(1, work).y;
     check_misses(settings, work);
-    if (n > 1) works->error = sum_works(settings, end, weak, n == 4, s, work, &works->is_estimated);
+    if (n > 1)
+        works->error = sum_works(
+            settings, end, weak, n == 4, s, work, &works->is_estimated, &works->simpson);
     else if (WORKS > 0) energy(work->w);
     if (WORKS == 0) return;
     works->error = larger(unbalanced(settings, end - s->time, s, work), works->error);
@@ -387,6 +390,7 @@ static double watched_end(
     const Settings *settings, double end, double part, Search *search, State *s, Work *work)
 {
     const Position last = position_at(1, work);
+    search->is_coarse = 0;
     begin_search(settings, methods, 0, end - s->time, last.y, s->f, last.f, search, s, work);
     const double seen = crossing_end(end, search, s, work);
     const int is_cut = seen < end && part <= 1.0;
@@ -412,6 +416,33 @@ static double following(double error, double rough, int is_good, int is_estimate
     return larger(LEAST_STEP_FACTOR, smaller(MOST_NEXT_FACTOR, smaller(by_shape, by_work)));
 }
 
+/* notes the works of a step of length h that is kept, with the error that counts */
+static void note_works(
+    const Settings *settings, const WorkEstimate *works, double error, double h, State *s)
+{
+    note_moved(settings, works->moved, s);
+    s->untold += works->is_estimated ? 0.0 : h;
+    s->error = works->is_estimated ? error : 0.0;
+    s->balance = works->balance;
+}
+
+/* whether nothing tells that works are good, as samples are few for how a force varies. Both rules
+ * may be off alike between the samples: Simpson's must be good, too */
+static int is_blind(const WorkEstimate *works, const Search *search, const State *s)
+{
+    const int is_sure = works->is_estimated || s->simpson >= SURE_WORK_ERROR;
+    return WORKS > 0 && search->is_coarse && (works->simpson > 1.0 || !is_sure);
+}
+
+/* factor to the step that is tried in place of a blind one: 1 to estimate it first */
+static double factor_where_blind(double rough, const WorkEstimate *works, State *s)
+{
+    s->rejected += 1;
+    if (works->is_estimated) return following(works->simpson, rough, 1, 0);
+    s->simpson = SURE_WORK_ERROR; /* asks for more positions */
+    return 1.0;
+}
+
 /* the next position of a motion that drivers determine, at most at the time that is asked for.
  * Steps are halved until they are smooth. Where rows are nearly dependent at the end, it is
  * put elsewhere: before that position as long as possible, then behind it, also behind the
@@ -435,7 +466,7 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
         const double weak = WEAK_PIVOT_RATIO * (is_deep ? DEEP_RATIO_PART : 1.0);
         const int good = reach(end, ways, n, weak, s, work, &drift, &rough);
         const double ratio = pivot_ratio(work, s);
-        WorkEstimate works = { 0.0, 0.0, 0.0, 0 };
+        WorkEstimate works = { 0.0, 0.0, 0.0, 0.0, 0 };
         if (good && tells_works) estimate_works(settings, end, weak, n, s, work, &works);
         const double error = part > 1.0 ? 0.0 : works.error; /* leaps sum no works well */
         const double factor = following(error, rough, good, works.is_estimated);
@@ -468,17 +499,19 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
                 part = 1.0;
                 continue;
             }
+            if (part <= 1.0 && tells_works && is_blind(&works, &search, s)) {
+                longest = factor_where_blind(rough, &works, s) * whole;
+                part = 1.0;
+                continue;
+            }
             note_crossings(end, &search, s, work);
             if (search.is_unresolved) note_unresolved(s->time, s);
         }
         note_branch(end, branch, s);
         note_ratios(ratio, end, is_deep, s, work);
         s->drift = larger(s->drift, drift);
-        note_moved(settings, works.moved, s);
-        s->untold += works.is_estimated ? 0.0 : end - s->time;
+        note_works(settings, &works, error, end - s->time, s);
         s->step_size = larger(is_last ? s->step_size : 0.0, factor * whole);
-        s->error = works.is_estimated ? error : 0.0;
-        s->balance = works.balance;
         accept_position(settings, end, asked, work, s);
         return GOOD;
     }

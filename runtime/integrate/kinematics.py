@@ -133,8 +133,8 @@ class WorkEstimate(NamedTuple):
 
     Parameters
     ----------
-    error : float
-        Of them, in units of the tolerance.
+    error, simpson : float
+        Of them, and of Simpson's rule if more positions estimated it, in units of the tolerance.
     is_estimated : bool
         Whether more positions than ends and middle estimated it.
     balance, moved : float [J]
@@ -142,6 +142,7 @@ class WorkEstimate(NamedTuple):
     """
 
     error: float = 0.0
+    simpson: float = 0.0
     is_estimated: bool = False
     balance: float = 0.0
     moved: float = 0.0
@@ -360,7 +361,7 @@ def unbalanced(s: Settings, h: float, state: State, work: Work) -> float:
 
 def sum_works(
     s: Settings, end: float, weak: float, state: State, work: Work, *, has_nodes: bool
-) -> tuple[float, bool]:
+) -> tuple[float, float, bool]:
     """Sum the works of a step by a better rule than Simpson's, unless that is good enough.
 
     The relative error of Simpson's rule is about the square of that of the trapezoidal rule. Unless
@@ -371,14 +372,14 @@ def sum_works(
 
     Returns
     -------
-    error : float
-        In units of the tolerance.
+    error, simpson : float
+        In units of the tolerance, and that of Simpson's rule if it is estimated.
     is_estimated : bool
         Whether two more positions estimated it.
     """
     scene, h = work.scene, end - state.time
     if scene.works == 0:
-        return 0.0, True
+        return 0.0, 0.0, True
     works = slice(scene.nq - scene.works, scene.nq)
     rate, half, f = state.f[works], position_at(0, work).f[works], position_at(1, work).f[works]
     before, after = np.abs(state.y[works]), np.abs(position_at(1, work).y[works])
@@ -390,12 +391,12 @@ def sum_works(
     error = state.simpson = larger(simpson_error / s.tolerance, ERROR_DECAY * state.simpson)
     if not has_nodes:
         if error < SURE_WORK_ERROR and math.fmod(state.steps, RULE_TRIAL_STEPS) != 0.0:
-            return error, False
+            return error, 0.0, False
         has_nodes = find_between(end, weak, state, work)
         work.w.place(end, position_at(1, work).y)  # its geometry again
         ratio_at(position_at(1, work).y[: scene.nq], work, state)
         if not has_nodes:
-            return error, False
+            return error, 0.0, False
     early, late = (position_at(slot, work).f[works] for slot in (2, 3))
     ends = 0.5 * (rate + f)
     fine = 49.0 / 90.0 * h * (0.5 * (early + late) - half - 3.0 / 7.0 * (ends - half))
@@ -411,9 +412,10 @@ def sum_works(
     square = odd * odd + slope * slope * ODD_PART
     odd_left = ODD_ERROR_PART * h * np.abs(odd) * (odd * odd / np.where(square > 0.0, square, 1.0))
     position_at(1, work).y[works] += fine
-    state.simpson = larger(float(np.max(np.abs(fine) / sizes)) / s.tolerance, state.simpson)
+    simpson = float(np.max(np.abs(fine) / sizes)) / s.tolerance
+    state.simpson = larger(simpson, state.simpson)
     estimated = larger(float(np.max(even_left / sizes)), float(np.max(odd_left / sizes)))
-    return larger(estimated / s.tolerance, ERROR_DECAY * state.error), True
+    return larger(estimated / s.tolerance, ERROR_DECAY * state.error), simpson, True
 
 
 def estimate_works(
@@ -426,17 +428,19 @@ def estimate_works(
 ) -> WorkEstimate:
     """Sum the works of a step better unless it leaps, and estimate their error, by energy, too."""
     scene, last = work.scene, position_at(1, work)
-    error, is_estimated = 0.0, False
+    error, simpson, is_estimated = 0.0, 0.0, False
     check_misses(s, work)
     if parts is not LEAP:
-        error, is_estimated = sum_works(s, end, weak, state, work, has_nodes=parts is NODES)
+        error, simpson, is_estimated = sum_works(
+            s, end, weak, state, work, has_nodes=parts is NODES
+        )
     elif scene.works > 0:
         work.w.run("energy")
     if scene.works == 0:
-        return WorkEstimate(error, is_estimated)
+        return WorkEstimate(error, simpson, is_estimated)
     error = larger(unbalanced(s, end - state.time, state, work), error)
     moved = energy_moved(last.y, work, state)
-    return WorkEstimate(error, is_estimated, energy_balance(last.y, work, state), moved)
+    return WorkEstimate(error, simpson, is_estimated, energy_balance(last.y, work, state), moved)
 
 
 def accept_position(s: Settings, end: float, asked: float, state: State, work: Work) -> None:
@@ -475,6 +479,7 @@ def watched_end(s: Settings, end: float, part: float, search: Search) -> float:
     One that leaps over a place stays where it is.
     """
     last = position_at(1, search.work)
+    search.is_coarse = False
     begin_search(s, METHODS[0], end - search.state.time, last.y, last.f, search, has_stages=False)
     seen = crossing_end(end, search)
     is_cut = seen < end and part <= 1.0
@@ -502,6 +507,32 @@ def following(error: float, rough: float, *, is_good: bool, is_estimated: bool) 
     return larger(LEAST_STEP_FACTOR, smaller(MOST_NEXT_FACTOR, smaller(by_shape, by_work)))
 
 
+def note_works(s: Settings, works: WorkEstimate, error: float, h: float, state: State) -> None:
+    """Note the works of a step of length h [s] that is kept, with the error that counts."""
+    note_moved(s, works.moved, state)
+    state.untold += 0.0 if works.is_estimated else h
+    state.error = error if works.is_estimated else 0.0
+    state.balance = works.balance
+
+
+def is_blind(works: WorkEstimate, search: Search, state: State) -> bool:
+    """Whether nothing tells that works are good, as samples are few for how a force varies.
+
+    Both rules may be off alike between the samples: Simpson's must be good, too.
+    """
+    is_sure = works.is_estimated or state.simpson >= SURE_WORK_ERROR
+    return search.work.scene.works > 0 and search.is_coarse and (works.simpson > 1.0 or not is_sure)
+
+
+def factor_where_blind(rough: float, works: WorkEstimate, state: State) -> float:
+    """Factor [-] to the step that is tried in place of a blind one: 1 to estimate it first."""
+    state.rejected += 1
+    if works.is_estimated:
+        return following(works.simpson, rough, is_good=True, is_estimated=False)
+    state.simpson = SURE_WORK_ERROR  # asks for more positions
+    return 1.0
+
+
 def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
     """Find the next position of a motion that drivers determine, at most at the time asked for.
 
@@ -523,8 +554,11 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
         weak = WEAK_PIVOT_RATIO * (DEEP_RATIO_PART if is_deep else 1.0)
         drift, rough = reach(end, parts, weak, state, work)
         is_good, ratio = drift >= 0.0, pivot_ratio(work, state)
-        tells = is_good and tells_works
-        works = estimate_works(s, end, weak, state, work, parts) if tells else WorkEstimate()
+        works = (
+            estimate_works(s, end, weak, state, work, parts)
+            if is_good and tells_works
+            else WorkEstimate()
+        )
         error = works.error if part <= 1.0 else 0.0  # leaps sum no works well
         factor = following(error, rough, is_good=is_good, is_estimated=works.is_estimated)
         is_avoided = (
@@ -550,10 +584,14 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
             why = why_stopped(seen, search)
             if why != Status.GOOD:
                 return why
-            if not seen < end:
+            if seen < end:
+                asked = seen if seen == search.cut else asked
+                longest = larger(seen, state.time + FINEST * length) - state.time
+            elif part > 1.0 or not tells_works or not is_blind(works, search, state):
                 break
-            asked = seen if seen == search.cut else asked
-            longest, part = larger(seen, state.time + FINEST * length) - state.time, 1.0
+            else:
+                longest = length * factor_where_blind(rough, works, state)
+            part = 1.0
     if work.scene.has_functions:
         note_crossings(end, search)
         if search.is_unresolved:
@@ -561,10 +599,7 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
     note_branch(end, branch, state)
     note_ratios(ratio, end, state, work, is_deep=is_deep)
     state.drift = larger(state.drift, drift)
-    note_moved(s, works.moved, state)
-    state.untold += 0.0 if works.is_estimated else end - state.time
+    note_works(s, works, error, end - state.time, state)
     state.step_size = larger(state.step_size if is_last else 0.0, factor * length)
-    state.error = error if works.is_estimated else 0.0
-    state.balance = works.balance
     accept_position(s, end, asked, state, work)
     return Status.GOOD

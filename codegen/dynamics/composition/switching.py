@@ -8,6 +8,7 @@ them, and ``crossing`` bounds them between two times of a step.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import reduce
 from itertools import chain
 from typing import TYPE_CHECKING
 
@@ -17,9 +18,10 @@ from kousoku.model.expressions.derivative import derivative
 from kousoku.model.expressions.enclosure import Bounds, enclosure
 from kousoku.model.expressions.exponentials import without_overflow
 from kousoku.model.expressions.formulas import TIME
+from kousoku.model.expressions.linear_sums import without_linear_sums
 from kousoku.model.expressions.quotients import without_quotients
 from kousoku.model.lowering.root_functions import root_functions_of
-from kousoku.model.operations.expression import add, mul, symbol
+from kousoku.model.operations.expression import ONE, ZERO, add, mul, names_of, symbol
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -27,7 +29,6 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
     from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.model.expressions.quotients import Quotient
     from kousoku.model.lowering.root_functions import Measure
     from kousoku.model.mechanics.multibody import System
     from kousoku.model.operations.expression import Expression
@@ -76,25 +77,30 @@ class Enclosed:
 
     def _bounds(self, formula: Expression, spans: Mapping[str, Bounds]) -> Iterator[Expression]:
         """Least and most of a formula, and those of its rate."""
-        substituted, quotients = without_quotients(formula, spans)
-        spans = dict(spans)
-        for k, quotient in enumerate(quotients):
-            parts = quotient.formula, quotient.vanishing_argument
-            rate, speed = (self._rate(part, quotients[:k]) for part in parts)
-            spans |= quotient.bounds(rate, speed, spans)
-        yield from enclosure(substituted, spans)
-        yield from enclosure(without_overflow(self._rate(substituted, quotients)), spans)
-
-    def _rate(self, formula: Expression, quotients: Sequence[Quotient] = ()) -> Expression:
-        """Derivative by time."""
-        rate = derivative(formula, TIME)
-        for quotient in quotients:
-            rate = add(rate, mul(derivative(formula, quotient.name), symbol(quotient.rate)))
+        rates = {TIME: ONE}
         for measure in self.measures:
-            rate = add(rate, mul(derivative(formula, measure.name), symbol(measure.rate)))
-            second = symbol(f"{measure.rate}{SECOND}")
-            rate = add(rate, mul(derivative(formula, measure.rate), second))
-        return rate
+            rates[measure.name] = symbol(measure.rate)
+            rates[measure.rate] = symbol(f"{measure.rate}{SECOND}")
+        substituted, sums = without_linear_sums(formula, rates)
+        spans = dict(spans)
+        for linear in sums:
+            spans |= linear.bounds(TIME, rates, spans)
+        rates |= {linear.name: symbol(linear.rate) for linear in sums}
+        substituted, quotients = without_quotients(substituted, spans)
+        for quotient in quotients:
+            parts = quotient.formula, quotient.vanishing_argument
+            rate, speed = (_rate(part, rates) for part in parts)
+            spans |= quotient.bounds(rate, speed, spans)
+            rates[quotient.name] = symbol(quotient.rate)
+        yield from enclosure(substituted, spans)
+        yield from enclosure(without_overflow(_rate(substituted, rates)), spans)
+
+
+def _rate(formula: Expression, rates: Mapping[str, Expression]) -> Expression:
+    """Derivative of a formula by time; of each name that varies the rate is given."""
+    used = {*names_of(formula)}
+    terms = (mul(derivative(formula, name), x) for name, x in rates.items() if name in used)
+    return reduce(add, terms, ZERO)
 
 
 @dataclass(frozen=True, slots=True)
