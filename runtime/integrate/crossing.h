@@ -42,7 +42,7 @@
 #define STEADY 0.5
 /* bounds count as evenly loose if no cell has more than this part of all by which they exceed the
  * change of samples: a hill between two samples makes one cell stand out */
-#define UNEVEN 0.5
+#define UNEVEN 0.35
 /* shortest interval in which the variation of a part is looked at, relative to the step: narrower
  * ones have no bounds */
 #define FINEST 1e-9

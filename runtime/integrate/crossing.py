@@ -67,7 +67,7 @@ NEGLIGIBLE_MOTION = 1e-3
 STEADY = 0.5
 #: Bounds count as evenly loose if no cell has more than this part of all by which they exceed the
 #: change of samples: a hill between two samples makes one cell stand out.
-UNEVEN = 0.5
+UNEVEN = 0.35
 #: How well samples tell how parts vary.
 UNRESOLVED, COARSE, RESOLVED = 0, 1, 2
 #: Shortest interval in which the variation of a part is looked at, relative to the step: narrower

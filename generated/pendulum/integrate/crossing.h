@@ -42,7 +42,7 @@
 #define STEADY 0.5
 /* bounds count as evenly loose if no cell has more than this part of all by which they exceed the
  * change of samples: a hill between two samples makes one cell stand out */
-#define UNEVEN 0.5
+#define UNEVEN 0.35
 /* shortest interval in which the variation of a part is looked at, relative to the step: narrower
  * ones have no bounds */
 #define FINEST 1e-9
@@ -1016,7 +1016,9 @@ static int are_narrow_resolved(double start, double end, Search *search, const S
         const double size = larger(-variations[k].least, variations[k].most);
         const double nothing = band[k] + negligible_variation(
                                              size, narrow_scales[k], search->tolerance, start, end);
-        const int sampling = sampling_of(&variations[k], STEADY * size, search->has_error, nothing);
+        /* no error tells of what works miss along drivers */
+        const double steady = IS_DRIVEN ? 0.0 : STEADY * size;
+        const int sampling = sampling_of(&variations[k], steady, search->has_error, nothing);
         if (sampling == UNRESOLVED) return 0;
         is_coarse = is_coarse || sampling == COARSE;
     }

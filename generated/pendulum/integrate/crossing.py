@@ -67,7 +67,7 @@ NEGLIGIBLE_MOTION = 1e-3
 STEADY = 0.5
 #: Bounds count as evenly loose if no cell has more than this part of all by which they exceed the
 #: change of samples: a hill between two samples makes one cell stand out.
-UNEVEN = 0.5
+UNEVEN = 0.35
 #: How well samples tell how parts vary.
 UNRESOLVED, COARSE, RESOLVED = 0, 1, 2
 #: Shortest interval in which the variation of a part is looked at, relative to the step: narrower
@@ -1013,7 +1013,9 @@ def are_narrow_resolved(start: float, end: float, search: Search) -> bool:
         band, a = largest(half_width(b)[n], band), b
     size, scales = largest(-variation.least, variation.most), search.work.scene.narrow_scales
     nothing = band + negligible_variation(size, scales, search.tolerance, start, end)
-    sampling = sampling_of(variation, STEADY * size, nothing, has_error=search.has_error)
+    # no error tells of what works miss along drivers
+    steady = (0.0 if search.work.scene.is_driven else STEADY) * size
+    sampling = sampling_of(variation, steady, nothing, has_error=search.has_error)
     search.is_coarse = search.is_coarse or sampling == COARSE
     return sampling != UNRESOLVED
 
