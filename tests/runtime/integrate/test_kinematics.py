@@ -138,7 +138,7 @@ def test_a_step_whose_works_miss_the_tolerance_is_shortened(
 ) -> None:
     work.scene.parts = ("energies",)
     errors = [1.5, 0.5]
-    monkeypatch.setattr(kinematics, "sum_works", lambda *_, **__: (errors.pop(0), True))
+    monkeypatch.setattr(kinematics, "sum_works", lambda *_, **__: (errors.pop(0), 0.0, True))
     tried = step(monkeypatch, state, work, 100.0)
     assert [end - 2.0 for end, _ in tried.ends] == [1.0, pytest.approx(0.9 * 1.5 ** (-1 / 9))]
     assert state.rejected == 1
