@@ -61,9 +61,14 @@ def bound_rows(solver: NumpySolver, points: Sequence[Mapping[str, Any]]) -> Iter
             compared = [*_evaluated(center, distances, w), *_exact(center, references, w)]
             for half_side in HALF_SIDES:
                 half = half_side * np.maximum(1.0, np.abs(center))
-                half[0, 1:] = 0.0  # time goes on evenly
-                offsets = half * random.uniform(-1.0, 1.0, (INSIDE, *half.shape))
-                compared += _in_a_box(center, half, offsets, references, w)
+                times = half[0, 0] * random.uniform(-1.0, 1.0, INSIDE)
+                half[0] = 0.0  # at one time each number may be anywhere for itself
+                places = center + half * random.uniform(-1.0, 1.0, (INSIDE, *half.shape))
+                compared += _in_a_box(center - half, center + half, places, references, w)
+                half *= random.uniform(0.0, 1.0, half.shape)
+                least, most = _range(center, half_side * max(1.0, abs(center[0, 0])))
+                places = _moved(center, times)
+                compared += _in_a_box(least - half, most + half, places, references, w)
             for name, errors, computed, expected in compared:
                 yield _row(name, number, errors, computed, expected)
 
@@ -86,13 +91,34 @@ def _exact(center: Array, references: Mapping[str, Array], w: Workspace) -> Iter
         yield name, np.abs(computed - expected) / unit, computed, expected
 
 
+def _moved(center: Array, times: Array) -> Array:
+    """Places (n, k, 3) on a motion with constant second derivatives through a place (k, 3).
+
+    They are at times (n,) from there [s].
+    """
+    value, rate, second = center.T
+    tau = times[:, np.newaxis]
+    rates = rate + tau * second
+    return np.stack((value + 0.5 * tau * (rate + rates), rates, second + 0.0 * tau), axis=-1)
+
+
+def _range(center: Array, time: float) -> tuple[Array, Array]:
+    """Least and largest numbers (k, 3) on such a motion up to a time [s] before and behind."""
+    _, rate, second = center.T
+    turning = np.clip(np.nan_to_num(-rate / second), -time, time)
+    ends = _moved(center, np.array([-time, time]))
+    extreme = _moved(center, turning)[range(len(center)), range(len(center))]
+    every = np.concatenate((ends, extreme[np.newaxis]))
+    return every.min(axis=0), every.max(axis=0)
+
+
 def _in_a_box(
-    center: Array, half: Array, offsets: Array, references: Mapping[str, Array], w: Workspace
+    least: Array, most: Array, places: Array, references: Mapping[str, Array], w: Workspace
 ) -> Iterator[Compared]:
-    """Errors of bounds of a box about a place (k, 3): excess of values at some offsets from it."""
-    box = _bounds(center - half, center + half, references, w)
-    for offset in offsets:
-        values = _bounds(center + offset, center + offset, references, w)
+    """Errors of bounds of a box (k, 3): excess of values at some places (n, k, 3) in it."""
+    box = _bounds(least, most, references, w)
+    for place in places:
+        values = _bounds(place, place, references, w)
         for name, (_, _, unit) in _columns(references):
             inside = values[name]
             bounds = np.where(np.isinf(box[name]), np.nan, box[name])

@@ -45,7 +45,7 @@ from kousoku.codegen.dynamics.operations import joint_projections as joint_opera
 from kousoku.codegen.dynamics.recording import recorder
 from kousoku.codegen.emit import MESSAGES, runtime_sources
 from kousoku.codegen.generate import write_tree
-from kousoku.model.expressions import enclosure
+from kousoku.model.expressions import enclosure, linear_sums
 from kousoku.model.reading.read import read_scene, scene_from_dict, scene_from_toml
 from kousoku.runtime import dynamics_verify, verify
 from kousoku.runtime.dynamics import load_dynamics
@@ -388,16 +388,23 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
     ),
     "value in place of a rate": (
         *("watched", switching.Enclosed, "_bounds"),
-        *("without_overflow(self._rate(substituted, quotients))", "substituted"),
+        *("without_overflow(_rate(substituted, rates))", "substituted"),
     ),
     "rate of what a formula reads": (
-        *("watched", switching.Enclosed, "_rate"),
-        "mul(derivative(formula, measure.name), symbol(measure.rate))",
-        "derivative(formula, measure.name)",
+        *("watched", switching.Enclosed, "_bounds"),
+        *("rates[measure.name] = symbol(measure.rate)", "rates[measure.name] = ONE"),
     ),
     "second derivative in a rate": (
-        *("watched", switching.Enclosed, "_rate"),
+        *("watched", switching.Enclosed, "_bounds"),
         *('f"{measure.rate}{SECOND}"', "measure.rate"),
+    ),
+    "motion that both share": (
+        *("watched", linear_sums, "_bounds"),
+        *("slope = add(slope, mul(c, _middle(rate)))", "slope = mul(c, _middle(rate))"),
+    ),
+    "what leaves it": (
+        *("watched", linear_sums, "_bounds"),
+        *("off = add(", "off = mul(HALF, "),
     ),
     "least and most of what is read": (
         *("watched", switching.Enclosed, "__call__"),

@@ -37,7 +37,7 @@ def sampled(
         tolerance=1e-9,
         work=SimpleNamespace(
             w=SimpleNamespace(narrow=np.zeros(4)),
-            scene=SimpleNamespace(narrow_scales=np.array([[1.0, 0.0]])),
+            scene=SimpleNamespace(narrow_scales=np.array([[1.0, 0.0]]), is_driven=False),
         ),
     )
     return are_narrow_resolved(1.0, 3.0, search), pairs
