@@ -400,7 +400,7 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
     ),
     "motion that both share": (
         *("watched", linear_sums, "_bounds"),
-        *("slope = add(slope, mul(c, _middle(rate)))", "slope = mul(c, _middle(rate))"),
+        *("reach = add(mul(HALF, apply(Op.ABS, slope), h), spread)", "reach = spread"),
     ),
     "what leaves it": (
         *("watched", linear_sums, "_bounds"),
