@@ -27,7 +27,6 @@ from kousoku.model.operations.expression import (
     neg,
     number,
     ordered,
-    replaced,
     symbol,
 )
 from kousoku.model.operations.graph import Op
@@ -97,10 +96,11 @@ def _bounds(
     spans: Mapping[str, Bounds],
 ) -> Bounds:
     """Bounds of a linear sum between two times that are h [s] apart."""
-    middle, slope, spread = formula, ZERO, ZERO
+    middles = {name: Bounds(*[_middle(spans[name])] * 2) for name in coefficients}
+    middle = enclosure(formula, middles).least
+    slope, spread = ZERO, ZERO
     for name, c in coefficients.items():
         span, rate = spans[name], enclosure(rates[name], spans)
-        middle = replaced(middle, symbol(name), _middle(span), _apply_to)
         slope = add(slope, mul(c, _middle(rate)))
         if rate.is_point:  # of time
             continue
@@ -118,11 +118,6 @@ def _bounds(
 
 def _middle(span: Bounds) -> Expression:
     return span.least if span.is_point else mul(HALF, add(span.least, span.most))
-
-
-def _apply_to(op: Op, args: tuple[Expression, ...]) -> Expression:
-    """Operation on formulas that were made anew."""
-    return apply(op, *args)
 
 
 def without_linear_sums(
