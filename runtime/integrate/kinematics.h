@@ -390,7 +390,6 @@ static double watched_end(
     const Settings *settings, double end, double part, Search *search, State *s, Work *work)
 {
     const Position last = position_at(1, work);
-    search->is_coarse = 0;
     begin_search(settings, methods, 0, end - s->time, last.y, s->f, last.f, search, s, work);
     const double seen = crossing_end(end, search, s, work);
     const int is_cut = seen < end && part <= 1.0;
@@ -426,12 +425,13 @@ static void note_works(
     s->balance = works->balance;
 }
 
-/* whether nothing tells that works are good, as samples are few for how a force varies. Both rules
- * may be off alike between the samples: Simpson's must be good, too */
-static int is_blind(const WorkEstimate *works, const Search *search, const State *s)
+/* whether nothing tells that works are good, as a force varies beyond polynomials. Both rules may
+ * be off alike between their nodes, and at the tail of a hill what the better one adds says
+ * little: Simpson's must be good, too */
+static int is_blind(const WorkEstimate *works, const State *s)
 {
     const int is_sure = works->is_estimated || s->simpson >= SURE_WORK_ERROR;
-    return WORKS > 0 && search->is_coarse && (works->simpson > 1.0 || !is_sure);
+    return WORKS > 0 && N_NARROW > 0 && (works->simpson > 1.0 || !is_sure);
 }
 
 /* factor to the step that is tried in place of a blind one: 1 to estimate it first */
@@ -499,7 +499,7 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
                 part = 1.0;
                 continue;
             }
-            if (part <= 1.0 && tells_works && is_blind(&works, &search, s)) {
+            if (part <= 1.0 && tells_works && is_blind(&works, s)) {
                 longest = factor_where_blind(rough, &works, s) * whole;
                 part = 1.0;
                 continue;

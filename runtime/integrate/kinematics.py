@@ -53,7 +53,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from .arithmetic import Array
-    from .scene_tables import Work
+    from .scene_tables import SceneTables, Work
     from .settings import Settings
     from .state import State
 
@@ -479,7 +479,6 @@ def watched_end(s: Settings, end: float, part: float, search: Search) -> float:
     One that leaps over a place stays where it is.
     """
     last = position_at(1, search.work)
-    search.is_coarse = False
     begin_search(s, METHODS[0], end - search.state.time, last.y, last.f, search, has_stages=False)
     seen = crossing_end(end, search)
     is_cut = seen < end and part <= 1.0
@@ -515,13 +514,14 @@ def note_works(s: Settings, works: WorkEstimate, error: float, h: float, state: 
     state.balance = works.balance
 
 
-def is_blind(works: WorkEstimate, search: Search, state: State) -> bool:
-    """Whether nothing tells that works are good, as samples are few for how a force varies.
+def is_blind(works: WorkEstimate, scene: SceneTables, state: State) -> bool:
+    """Whether nothing tells that works are good, as a force varies beyond polynomials.
 
-    Both rules may be off alike between the samples: Simpson's must be good, too.
+    Both rules may be off alike between their nodes, and at the tail of a hill what the better one
+    adds says little: Simpson's must be good, too.
     """
     is_sure = works.is_estimated or state.simpson >= SURE_WORK_ERROR
-    return search.work.scene.works > 0 and search.is_coarse and (works.simpson > 1.0 or not is_sure)
+    return scene.works > 0 and scene.has_narrow and (works.simpson > 1.0 or not is_sure)
 
 
 def factor_where_blind(rough: float, works: WorkEstimate, state: State) -> float:
@@ -587,7 +587,7 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
             if seen < end:
                 asked = seen if seen == search.cut else asked
                 longest = larger(seen, state.time + FINEST * length) - state.time
-            elif part > 1.0 or not tells_works or not is_blind(works, search, state):
+            elif part > 1.0 or not tells_works or not is_blind(works, work.scene, state):
                 break
             else:
                 longest = length * factor_where_blind(rough, works, state)

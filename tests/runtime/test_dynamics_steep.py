@@ -152,6 +152,21 @@ def test_works_of_a_hill_along_a_driver_are_summed_to_the_tolerance(tolerance: f
         assert work == pytest.approx(expected, abs=20.0 * 38.0 * tolerance + 1e-9)
 
 
+@pytest.mark.parametrize("end", [6.9, 7.2, 7.3])
+def test_works_of_the_tail_of_a_hill_along_a_driver_are_summed_to_the_tolerance(end: float) -> None:
+    """What a better rule adds to Simpson's told nothing there: 0.14 of 14,721 J off at 1e-9."""
+    law = "100*cos(x/150 + 0.3*exp(-4*(x/30 - 7.75)^2))"
+    scene = LED.replace("LAW", law).replace("5 + 5*sin(0.8*t)", "30*t").replace("[5,", "[0,")
+    run = ks.load(scene).simulate(end, samples=3, tolerance=1e-9)
+    assert run.ledger.trust.is_trusted
+
+    def force(x: float) -> float:
+        return 100.0 * math.cos(x / 150.0 + 0.3 * math.exp(-4.0 * (x / 30.0 - 7.75) ** 2))
+
+    expected = simpson(force, 0.0, 30.0 * end)
+    assert run["work.f"][-1] == pytest.approx(expected, rel=20e-9)
+
+
 def simpson(f: Callable[[float], float], a: float, b: float, count: int = 2000) -> float:
     h = (b - a) / count
     inner = sum((4 if k % 2 else 2) * f(a + k * h) for k in range(1, count))
