@@ -12,22 +12,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .arithmetic import larger
-from .crossing import (
-    ONWARD,
-    SMALL,
-    SMALLEST,
-    evaluate_node,
-    middle,
-    node_with_noise,
-    read_at,
-    read_of,
-    side_at,
-)
+from .crossing import ONWARD, SMALL
 from .cuts import BEHIND, EARLY, FALLEN_PART, MOST_PLACE_CUTS, THERE, cut_beside, cut_for_place
 from .dense_output import combine
+from .search import SMALLEST, evaluate_node, middle, node_with_noise, read_at, read_of, side_at
 
 if TYPE_CHECKING:
-    from .crossing import Search
+    from .search import Search
 
 #: A step that leads over a jump begins at this part of the longest step before it, in units of the
 #: tolerance: errors of its stages on both sides are that much below the tolerance.

@@ -14,7 +14,7 @@ from .arithmetic import larger
 from .crossing import SMALL
 
 if TYPE_CHECKING:
-    from .crossing import Search
+    from .search import Search
 
 #: A step that was cut leads over such a place where this part of it is behind.
 BEHIND = 0.3

@@ -15,14 +15,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .arithmetic import larger, smaller
-from .crossing import FINEST, ONWARD, SMALLEST, read_of
+from .crossing import ONWARD
 from .cuts import BEHIND, EARLY, FALLEN_PART, THERE, cut_beside, leads_over
 from .dense_output import interpolate
+from .search import SMALLEST, read_of
+from .variation import FINEST
 
 if TYPE_CHECKING:
     from .arithmetic import Array
-    from .crossing import Search
     from .scene_tables import Workspace
+    from .search import Search
 
 #: A distance is looked at where cubics over the halves of a step fall far below its largest value
 #: at ends and middle. It reverses a force within the step where it falls to the first part in the

@@ -8,23 +8,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from .arithmetic import larger, smaller
+from .branch_watch import LEVEL_RATIO_PART, meeting_part
 from .branches import BRANCH_LOST, ON_BRANCH, follow_branch, note_branch
-from .crossing import (
-    FINEST,
-    SMALLEST,
-    STRETCH_TO_END,
-    Search,
-    begin_search,
-    crossing_end,
-    cut_at,
-    end_before_pole,
-    note_crossings,
-    note_unresolved,
-    resolved_end,
-    why_stopped,
-)
+from .crossing import STRETCH_TO_END, crossing_end, note_crossings, why_stopped
 from .dense_output import hermite_cubic
 from .methods import METHODS
+from .motion_scales import energy_balance, energy_moved, energy_of_works, note_motion, note_moved
 from .pivot_monitor import (
     BRANCH_ROUNDING,
     WEAK_PIVOT_RATIO,
@@ -35,19 +24,13 @@ from .pivot_monitor import (
     pivot_ratio,
     scale_by_distance,
 )
+from .poles import end_before_pole
 from .projection import project, ratio_at
 from .row_switch import check_misses, forget_trials, note_misses
+from .search import SMALLEST, Search, begin_search, cut_at, note_unresolved
 from .settings import Status
-from .stepper import (
-    LEAST_STEP_FACTOR,
-    LEVEL_RATIO_PART,
-    energy_balance,
-    energy_moved,
-    energy_of_works,
-    meeting_part,
-    note_motion,
-    note_moved,
-)
+from .step_error import LEAST_STEP_FACTOR
+from .variation import FINEST, resolved_end
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -234,10 +234,10 @@ def test_a_planted_correction_is_found_and_the_rest_is_the_same(
     tree = tmp_path / "tree"
     for name in SOURCES:
         shutil.copytree(ROOT / name, tree / name, symlinks=True)
-    stepper = tree / "runtime" / "integrate" / "stepper.h"
-    text = stepper.read_text(encoding="utf-8")
+    trial = tree / "runtime" / "integrate" / "trial.h"
+    text = trial.read_text(encoding="utf-8")
     assert text.count("#define STAGE_RESIDUAL 1e-3") == 1
-    stepper.write_text(
+    trial.write_text(
         text.replace("#define STAGE_RESIDUAL 1e-3", "#define STAGE_RESIDUAL 1e-7"), encoding="utf-8"
     )
     monkeypatch.setattr(commits, "QUICK_REPEATS", 1)

@@ -178,7 +178,7 @@ def test_fixed_steps_are_shorter_over_a_narrow_hill(
 @pytest.mark.usefixtures("numpy_solver")
 @pytest.mark.parametrize(
     ("module", "name", "value"),
-    [("stepper", "MOST_SHORTER", 0), ("crossing", "FINEST", 1.0)],
+    [("step_end", "MOST_SHORTER", 0), ("variation", "FINEST", 1.0)],
 )
 def test_steps_that_are_not_made_shorter_over_a_narrow_hill_are_told(
     solver_of: Callable[..., Any],

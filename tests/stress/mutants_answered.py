@@ -83,7 +83,7 @@ ANSWERS = {
             "white space of what is generated, which generate --check compares"
         ),
     },
-    "runtime/integrate/crossing.h": {
+    "runtime/integrate/roots.h": {
         "'near_a, near_b' -> 'near_b, near_a' in": (
             "the larger of two numbers, whichever is first"
         ),
@@ -112,7 +112,7 @@ ANSWERS = {
             "the larger of two numbers, whichever is first"
         ),
     },
-    "runtime/integrate/crossing.py": {
+    "runtime/integrate/roots.py": {
         "'>' -> '>=' in 'while last - first > SMALLEST": "one more halving at most",
     },
     "runtime/integrate/switching.py": {
@@ -143,13 +143,17 @@ ANSWERS = {
             "one correction less at most before the step is halved"
         ),
     },
-    "runtime/integrate/stepper.h": {
+    "runtime/integrate/step_error.h": {
         "'best, WORSE_ERROR_PART * e2' -> 'WORSE_ERROR_PART * e2, best' in": (
             "the larger of two numbers, whichever is first"
         ),
+    },
+    "runtime/integrate/step_end.h": {
         "'<' -> '<=' in 'if (tried->shorter++ < MOST_SHORTER)": (
             "one attempt more before a step is given up"
         ),
+    },
+    "runtime/integrate/stepper.h": {
         "'*' -> '/' in 'if (!(trial.h > SMALLEST * larger(": (
             "another least length of steps, which are given up a little earlier or later"
         ),

@@ -4,11 +4,13 @@ The vector field is f(project(y)): equal to f on the manifold, so that the metho
 and every stage is evaluated where the constraints hold. y is q and v: r and p of all bodies, turns
 and works, then v and omega of all bodies.
 
-The same in C, ``*.h``, and in NumPy, ``*.py``, file by file with the same functions and the same
-bits: ``arithmetic``, ``pivot_monitor``, ``row_switch``, ``projection``, ``dense_output``,
-``crossing``, ``cuts``, ``distances``, ``breaks``, ``branches``, ``stepper``, ``switching``,
-``kinematics``, ``rows``, ``continuation``, ``rank``, ``trust``. It goes along with each generated
-solver, and needs NumPy only.
+The same in C, ``*.h``, and in NumPy, ``*.py``, file by file with the same functions, but for some
+small ones, and the same bits. A step: ``arithmetic``, ``pivot_monitor``, ``row_switch``,
+``projection``, ``dense_output``, ``motion_scales``, ``trial``, ``step_error``, ``branches``,
+``branch_watch``, ``step_end``, ``stepper``. What happens inside of a step: ``search``, ``roots``,
+``poles``, ``crossing``, ``variation``, ``cuts``, ``distances``, ``breaks``; at times known before,
+``switching``. Further: ``kinematics``, ``rows``, ``continuation``, ``rank``, ``trust``. It goes
+along with each generated solver, and needs NumPy only.
 
 In Python alone, what C has in other files or its callers do: the tables of a scene,
 ``scene_tables``, ``tasks``, ``methods``, ``settings``, ``state``, and its solver, ``scene_solver``;

@@ -31,7 +31,11 @@
 #include "row_switch.h"
 #include "projection.h"
 #include "dense_output.h"
+#include "search.h"
+#include "roots.h"
+#include "poles.h"
 #include "crossing.h"
+#include "variation.h"
 #if defined HAS_DISTANCE || defined HAS_BREAKS
 #include "cuts.h"
 #endif
@@ -43,6 +47,11 @@
 #endif
 #include "branches.h"
 #include "switching.h"
+#include "motion_scales.h"
+#include "trial.h"
+#include "step_error.h"
+#include "branch_watch.h"
+#include "step_end.h"
 #include "stepper.h"
 #if IS_DRIVEN
 #include "kinematics.h"

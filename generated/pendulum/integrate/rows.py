@@ -9,11 +9,11 @@ import numpy as np
 
 from .arithmetic import larger
 from .dense_output import add_driven_works, differentiate, has_driven_works, interpolate
+from .motion_scales import energy_balance, energy_moved
 from .pivot_monitor import VAGUE_PIVOT_RATIO, WEAK_PIVOT_RATIO, pivot_ratio
 from .projection import accelerate, project, ratio_at
 from .row_switch import find_geometry, forget_trials, least_norm_reactions, take_multipliers
 from .settings import CLEARLY, Status
-from .stepper import energy_balance, energy_moved
 
 if TYPE_CHECKING:
     from .arithmetic import Array

@@ -9,17 +9,18 @@ import numpy as np
 
 from .arithmetic import larger, smaller
 from .continuation import continue_parameters, is_possible, stay_closed
-from .crossing import first_without_value
 from .dense_output import add_driven_rows, has_driven_works, prepare_dense
 from .methods import METHODS
+from .motion_scales import energy_balance, note_extent
 from .pivot_monitor import branch_ratio, note_largest_pivot, pivot_ratio
+from .poles import first_without_value
 from .projection import note_lost_digits, project
 from .row_switch import note_usual_ratio
 from .rows import find_reactions, write_row
 from .run_arguments import LEAST_TOLERANCE
 from .scene_tables import Work, Workspace, state_of
 from .settings import ACTIONS, Status
-from .stepper import energy_balance, first_step, note_extent, step
+from .stepper import first_step, step
 from .switching import (
     change_by_rounding,
     even_end,

@@ -14,33 +14,35 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .arithmetic import larger, smaller
-from .crossing import (
-    FINEST,
-    FURTHER,
+from .pivot_monitor import scale_by_distance
+from .poles import FURTHER
+from .projection import project
+from .roots import stays_positive
+from .row_switch import forget_trials
+from .search import (
     SMALLEST,
-    UNRESOLVED,
-    add_cell,
-    begin_variation,
     evaluate_node,
     half_width,
     largest,
     middle,
-    negligible_variation,
     note_unresolved,
     read_of,
-    sampling_of,
     side_at,
-    stays_positive,
 )
-from .pivot_monitor import scale_by_distance
-from .projection import project
-from .row_switch import forget_trials
 from .settings import BENT, NO_TIME, Status
+from .variation import (
+    FINEST,
+    UNRESOLVED,
+    add_cell,
+    begin_variation,
+    negligible_variation,
+    sampling_of,
+)
 
 if TYPE_CHECKING:
     from .arithmetic import Array
-    from .crossing import Flags
     from .scene_tables import Work, Workspace
+    from .search import Flags
     from .state import State
 
 #: Largest number of intervals that a search looks at; then the run goes on to where the search

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from kousoku.runtime.integrate import kinematics
-from kousoku.runtime.integrate.crossing import Search
 from kousoku.runtime.integrate.kinematics import HALVES, driven_step, watched_end
 from kousoku.runtime.integrate.methods import METHODS
 from kousoku.runtime.integrate.pivot_monitor import WEAK_PIVOT_RATIO
+from kousoku.runtime.integrate.search import Search
 from kousoku.runtime.integrate.settings import Status
 
 ANY: Any = None

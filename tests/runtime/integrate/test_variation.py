@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
@@ -10,8 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kousoku.runtime.integrate import crossing
-from kousoku.runtime.integrate.crossing import CELLS, TimeNode, are_narrow_resolved, first_departure
+from kousoku.runtime.integrate import variation
+from kousoku.runtime.integrate.search import CELLS, TimeNode
+from kousoku.runtime.integrate.variation import are_narrow_resolved
 
 
 def sampled(
@@ -28,8 +28,8 @@ def sampled(
         pairs.append((a.time, b.time))
         return np.array([*bounds(a.time, b.time), *slopes(a.time, b.time)]).reshape(4, 1)
 
-    monkeypatch.setattr(crossing, "node_at", node_at)
-    monkeypatch.setattr(crossing, "bound_functions", bound_functions)
+    monkeypatch.setattr(variation, "node_at", node_at)
+    monkeypatch.setattr(variation, "bound_functions", bound_functions)
     search: Any = SimpleNamespace(
         state=SimpleNamespace(sides=np.zeros(0)),
         has_error=False,
@@ -91,19 +91,3 @@ def test_a_part_whose_bounds_leave_it_nearly_what_it_is_is_resolved(
     steep = (lambda _: 4.0, lambda *_: (-9.0, 9.0))
     assert sampled(monkeypatch, *steep, lambda *_: (3.0, 5.0))[0]
     assert not sampled(monkeypatch, *steep, lambda *_: (2.9, 5.1))[0]
-
-
-@pytest.mark.parametrize(("before", "cut"), [(0.0, 2.5), (1e-9, 2.5), (-1e-9, math.inf)])
-def test_what_is_near_zero_on_its_side_already_cuts_no_step(
-    monkeypatch: pytest.MonkeyPatch, before: float, cut: float
-) -> None:
-    """What is left of zero by less than rounding is left at once, and no step is as short."""
-    monkeypatch.setattr(crossing, "time_of", lambda *_: 2.5)
-    nothing = np.zeros((0, 2))
-    near = TimeNode(2.0, nothing, np.array([before - 2e-9]), np.array([before + 2e-9]))
-    left = TimeNode(3.0, nothing, np.array([-2e-2]), np.array([-1e-2]))
-    search: Any = SimpleNamespace(
-        state=SimpleNamespace(sides=np.zeros(1)),
-        work=SimpleNamespace(scene=SimpleNamespace(events=(), n_poles=0)),
-    )
-    assert first_departure(near, left, search) == cut
