@@ -246,7 +246,7 @@ class _Lowering:
         return tuple(tuple(graph.mul(factor, cell) for cell in row) for row in cells)
 
     def _chain(self, factors: tuple[Any, ...]) -> Cells:
-        """Elements of a product of two or more factors, in the cheapest association."""
+        """Elements of a product of factors, in the cheapest association."""
         if len(factors) == 1:
             scalar, inner = coefficient_and_factors(factors[0])
             return self._scale(scalar, self.matrix(inner[0]))

@@ -2,7 +2,7 @@
 
 Every kernel runs at every point of ``reference.json.gz`` in every way it can be called, with all
 its outputs and with each output alone, and its error is told in the units that stand there.
-Kernels that use only + − × ÷ √ must also give the same bits in C and in NumPy.
+Kernels that use only + − × ÷ √ and absolute values must also give the same bits in C and in NumPy.
 """
 
 from __future__ import annotations

@@ -38,8 +38,8 @@ def without(
     """System without some rows; forces of joints, all unless named, are not unique."""
     names = dict.fromkeys(row.joint for row in found.outline.rows) if joints is None else joints
     one = DependentSet(tuple(names), 0, 0, is_everywhere=True)
-    freedom = replace(found.freedom, dropped=tuple(rows), dependent=(one,))
-    return replace(found, freedom=freedom)
+    mobility = replace(found.mobility, dropped=tuple(rows), dependent=(one,))
+    return replace(found, mobility=mobility)
 
 
 def jointed(system: System, most_free: int = ANY) -> Analysed:

@@ -70,7 +70,7 @@ class Analysed:
         System whose equations are solved.
     outline : Outline
         Its plane, and rows and columns that are not structurally zero.
-    freedom : Mobility
+    mobility : Mobility
         Its degrees of freedom, and the rows that are left out.
     transformations : mapping of int to VelocityTransformation
         Bodies that the coordinates of their joint with the ground describe, in the axes of the
@@ -85,7 +85,7 @@ class Analysed:
 
     system: System
     outline: Outline
-    freedom: Mobility
+    mobility: Mobility
     transformations: Mapping[int, VelocityTransformation] = field(default_factory=dict)
     lumped: tuple[str, ...] = ()
     missing: tuple[str, ...] = ()
@@ -107,7 +107,7 @@ class Analysed:
     @property
     def left_out(self) -> list[RowIndex]:
         """Rows that depend on others."""
-        dropped = set(self.freedom.dropped)
+        dropped = set(self.mobility.dropped)
         return [row for row in self.outline.rows if row in dropped] if dropped else []
 
     @property
@@ -189,13 +189,13 @@ def ranked(system: System, plane: Plane | None) -> Analysed:
     analysed = with_all_rows(system, plane)
     fixed = fixed_system(system)
     require_constant_rows_hold(fixed, analysed.outline)
-    freedom = mobility_of(fixed, analysed.outline)
-    require_own_rows_implied(fixed, freedom, is_planar=analysed.outline.is_planar)
-    freedom = replace(freedom, idle=(*freedom.idle, *repeated_rows(fixed, freedom)))
-    if freedom.closed:
-        system = assemble(system, [(row.instance, row.row) for row in freedom.dropped])
+    mobility = mobility_of(fixed, analysed.outline)
+    require_own_rows_implied(fixed, mobility, is_planar=analysed.outline.is_planar)
+    mobility = replace(mobility, idle=(*mobility.idle, *repeated_rows(fixed, mobility)))
+    if mobility.closed:
+        system = assemble(system, [(row.instance, row.row) for row in mobility.dropped])
         analysed = with_all_rows(system, plane and plane_of(system))
-    return replace(analysed, freedom=freedom)
+    return replace(analysed, mobility=mobility)
 
 
 def with_joint_coordinates(analysed: Analysed, most_free: int) -> Analysed:
@@ -226,13 +226,13 @@ def in_xy_plane(analysed: Analysed) -> Analysed:
     def in_axes(rows: Sequence[RowIndex]) -> tuple[RowIndex, ...]:
         return permuted_rows(rows, analysed.system, shift)
 
-    outline, freedom = analysed.outline, analysed.freedom
-    columns = tuple(permuted_columns(body_columns, -shift) for body_columns in outline.columns)
+    outline, mobility = analysed.outline, analysed.mobility
+    columns = tuple(permuted_columns(body_columns, shift) for body_columns in outline.columns)
     return replace(
         analysed,
         system=permuted(analysed.system, shift),
         outline=replace(outline, plane=Plane.XY, columns=columns, rows=in_axes(outline.rows)),
-        freedom=replace(freedom, dropped=in_axes(freedom.dropped), idle=in_axes(freedom.idle)),
+        mobility=replace(mobility, dropped=in_axes(mobility.dropped), idle=in_axes(mobility.idle)),
     )
 
 
@@ -253,9 +253,9 @@ def require_driven(analysed: Analysed, wanted: Collection[str]) -> None:
         lack = "has a moment of zero, as of a rod without thickness, about an axis of turning"
         give = "give the body some thickness, as of a cylinder"
     more = f" (one of {len(analysed.missing)} such)" if len(analysed.missing) > 1 else ""
-    if analysed.freedom.degrees > 0:
+    if analysed.mobility.degrees > 0:
         raise SceneError(
-            f"{lack}, and drivers leave {analysed.freedom.degrees} of the freedoms, whose motion"
+            f"{lack}, and drivers leave {analysed.mobility.degrees} of the freedoms, whose motion"
             f" depends on it{more}; {give}, or drive them",
             key=key,
         )

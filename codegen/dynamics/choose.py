@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 
 #: Segments that every stage of a step runs: their cost decides, whatever the outputs are.
 STAGE_SEGMENTS = frozenset({"geometry", "position", "move", "velocity", "acceleration"})
-#: Rows are dependent when one pivot is smaller than this part of another: of the sixteen digits of
-#: a double such a pivot has four at most.
+#: Rows are dependent when one pivot is smaller than this part of another, or its inverse, which is
+#: what is compared: of the sixteen digits of a double such a pivot has four at most.
 DEPENDENT_PIVOT_RATIO = 1e-12
 
 
@@ -132,10 +132,10 @@ def with_reactions(analysed: Analysed, wanted: Sequence[str]) -> tuple[Analysed,
         The system that was composed, and the program. Of a scene in a plane, joints whose forces
         are not unique only out of the plane are listed apart.
     """
-    freedom, system = analysed.freedom, analysed.system
+    mobility, system = analysed.mobility, analysed.system
     if not analysed.outline.is_planar:
-        return analysed, _named(compose(analysed, wanted), freedom)
-    in_plane = dict.fromkeys((*freedom.not_unique, *freedom.unknown))
+        return analysed, _named(compose(analysed, wanted), mobility)
+    in_plane = dict.fromkeys((*mobility.not_unique, *mobility.unknown))
     composed, obstacle = None, ""
     if not is_flat(system, analysed.outline.normal):
         try:
@@ -148,7 +148,7 @@ def with_reactions(analysed: Analysed, wanted: Sequence[str]) -> tuple[Analysed,
         composed = analysed, replace(program, not_unique=doubly_held, only_in_plane=obstacle)
     chosen, program = composed
     others = tuple(name for name in program.not_unique if name not in in_plane)
-    undetermined = tuple(pair for pair in chosen.freedom.undetermined if pair[0] in in_plane)
+    undetermined = tuple(pair for pair in chosen.mobility.undetermined if pair[0] in in_plane)
     return chosen, replace(
         program, not_unique=tuple(in_plane), undetermined=undetermined, unique_in_plane=others
     )
@@ -157,18 +157,18 @@ def with_reactions(analysed: Analysed, wanted: Sequence[str]) -> tuple[Analysed,
 def _in_space(analysed: Analysed, wanted: Sequence[str]) -> tuple[Analysed, Program]:
     """Program in space of a scene that moves in a plane; SceneError if there is none."""
     spatial = ranked(with_all_inertias(analysed.system), None)
-    program = _named(compose(spatial, wanted), spatial.freedom)
+    program = _named(compose(spatial, wanted), spatial.mobility)
     if not _is_regular(program):
         raise SceneError("rows that are kept depend on each other at the start")
     return spatial, program
 
 
-def _named(program: Program, freedom: Mobility) -> Program:
+def _named(program: Program, mobility: Mobility) -> Program:
     """Program with the joints whose reactions are not unique."""
     return replace(
         program,
-        not_unique=(*freedom.not_unique, *freedom.unknown),
-        undetermined=freedom.undetermined,
+        not_unique=(*mobility.not_unique, *mobility.unknown),
+        undetermined=mobility.undetermined,
     )
 
 

@@ -133,7 +133,7 @@ def compose_scene(scene: Scene, wanted: Sequence[str]) -> Composed:
     """
     start = assemble_scene(scene, wanted)
     analysed = analyse(start.system, wanted)
-    if analysed.freedom.degrees:
+    if analysed.mobility.degrees:
         written = written_start(scene, start.written_system, analysed.system)
         analysed = replace(analysed, system=replace(analysed.system, written_starts=written))
     require_driven(analysed, wanted)
@@ -141,14 +141,14 @@ def compose_scene(scene: Scene, wanted: Sequence[str]) -> Composed:
     changes = changes_of_assembly(start.written_system, start.placed)
     notes = (
         *notes_of(changes, start.written_system.unit, scene.unit),
-        *notes_of_freedom(analysed.system, analysed.freedom),
+        *notes_of_freedom(analysed.system, analysed.mobility),
         *_notes_of_reactions(program),
         *_notes_of_distances(start.placed),
         *notes_of_rank(program, analysed.system),
     )
     moved = tuple([change.body, *change.sizes] for change in changes)
     about = replace(About.of(scene, notes), moved=moved)
-    return Composed(program, analysed.system, analysed.freedom.degrees, about, start.system)
+    return Composed(program, analysed.system, analysed.mobility.degrees, about, start.system)
 
 
 def _notes_of_distances(system: System) -> Iterator[str]:

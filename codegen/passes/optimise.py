@@ -1,4 +1,4 @@
-"""The passes that every kernel goes through before it is emitted."""
+"""The passes that every kernel of a kind goes through before it is emitted."""
 
 from __future__ import annotations
 

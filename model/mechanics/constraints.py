@@ -42,7 +42,8 @@ class ConstraintKind:
     rows : int
         Count of equations.
     unit : {"m", "rad", ""}
-        The unit of its residual, or of the coordinate; an instance says it where it is empty.
+        The unit of its residual, or of the coordinate; an instance says it where it is empty. That
+        of cosines and sines is "rad", too, as they are angles to first order.
     inputs : tuple of str
         Vectors and points that are fixed in the bodies, in the order of the kernel's arguments.
     has_variants : bool

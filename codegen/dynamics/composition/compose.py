@@ -66,8 +66,8 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.analyse import Analysed
 
-#: A tree of so few joints is eliminated in one go: a processor gains nothing from the two ends of a
-#: chain, which want more kernels.
+#: A tree of so few joints is eliminated one joint after the other: a chain that is eliminated from
+#: both ends wants more kernels, and a processor gains nothing from it.
 SMALL_TREE_JOINTS = 16
 
 
@@ -106,7 +106,7 @@ class _ProgramComposer:
     def __init__(self, analysed: Analysed, wanted: Collection[str]) -> None:
         system, is_planar = analysed.system, analysed.outline.is_planar
         self.analysed, self.system = analysed, system
-        self.shared = Shared(analysed.freedom.shared, by_instance(analysed.freedom.idle))
+        self.shared = Shared(analysed.mobility.shared, by_instance(analysed.mobility.idle))
         self.wanted = wanted
         self.is_planar = is_planar
         self.recorder = Recorder()
@@ -192,7 +192,7 @@ class _ProgramComposer:
             bodies=bodies,
             rows=rows_of(self.joints),
             left_out=rows_of(self.left_out),
-            has_misses=bool(self.left_out and (self.analysed.freedom.closed or design)),
+            has_misses=bool(self.left_out and (self.analysed.mobility.closed or design)),
             satisfied=rows_of(self.satisfied),
             placed=self.joint_coordinates.placed,
             is_planar=self.is_planar,
@@ -317,10 +317,10 @@ class _ProgramComposer:
             self._record_work_rate(name, power)
         if lam:
             self.joint_coordinates.keep(free)
-        drift = self.joint_coordinates.reduce_forces(free)
+        bias = self.joint_coordinates.reduce_forces(free)
         targets = [self._rows_of(lam, joint) for joint in self.joints] if lam else None
-        multipliers = self.schur.solve(self._rates("gamma", free, bias=drift), targets)
-        self._record_corrections(multipliers, free, self.v_dot, drift)
+        multipliers = self.schur.solve(self._rates("gamma", free, bias=bias), targets)
+        self._record_corrections(multipliers, free, self.v_dot, bias)
         powers = zip(drivers_of(self.system), self._powers(multipliers), strict=True)
         for name, power in powers:
             self._record_work_rate(name, power)
@@ -394,7 +394,7 @@ class _ProgramComposer:
             self._rates(output, by_body, others, [*self.left_out, *self.satisfied])
 
     def _record_rank_loss(self) -> None:
-        """Record the segments of runs whose rows become dependent, as in loops: digits are lost."""
+        """Record the segments of runs that lose digits, or whose rows become dependent."""
         if self.analysed.refines:
             self._refinement()
         if "reactions" in self.wanted and self.analysed.takes_over:

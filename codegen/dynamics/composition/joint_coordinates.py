@@ -89,11 +89,11 @@ class JointCoordinates:
 
     def reduce_forces(self, free: list[SlotMatrix]) -> dict[int, SlotMatrix]:
         """Record u̇ without joints, and put it into ``free``, which has M⁻¹f; return η."""
-        drifts = {k: task.bias_acceleration() for k, task in self.tasks.items()}
+        biases = {k: task.bias_acceleration() for k, task in self.tasks.items()}
         for k, task in self.tasks.items():
-            self._free[k] = task.reduce_forces(free[k], drifts[k])
+            self._free[k] = task.reduce_forces(free[k], biases[k])
             free[k] = task.undriven(self._free[k])
-        return drifts
+        return biases
 
     def keep(self, free: Sequence[SlotMatrix]) -> None:
         """Record M⁻¹f (c,) in a region of its own: forces of joints follow from it."""

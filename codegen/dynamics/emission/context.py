@@ -12,13 +12,13 @@ from kousoku.codegen.context_body import layout, output_text, straight_line
 from kousoku.codegen.context_names import Namer
 from kousoku.codegen.dynamics.emission.context_numbers import (
     Table,
-    counted_turns,
     has_drivers,
     has_row_switch,
     is_driven,
     layout_sizes,
     mass_places,
     tables,
+    unwrapped_angles,
     works,
 )
 from kousoku.codegen.dynamics.emission.slots import SCRATCH, Slots, slots_of
@@ -460,7 +460,7 @@ def _features(program: Program, system: System, parts: Sequence[str]) -> tuple[s
         "HAS_PARAMETERS": bool(system.parameters),
         "HAS_CONSTANTS": bool(program.constants),
         "HAS_DESIGN": bool(program.design),
-        "HAS_UNWRAPPED_ANGLES": bool(counted_turns(program)),
+        "HAS_UNWRAPPED_ANGLES": bool(unwrapped_angles(program)),
         "HAS_WORKS": works(program) > 0,
         "HAS_MOMENTA": "momentum" in segments,
         "HAS_MISSES": program.has_misses,

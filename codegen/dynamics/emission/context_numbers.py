@@ -10,7 +10,7 @@ from kousoku.codegen.dynamics.composition.switching import BOUNDS
 from kousoku.codegen.dynamics.operations.body_coordinates import with_all_inertias
 from kousoku.codegen.dynamics.redundancy.redundant_rows import take_over
 from kousoku.codegen.dynamics.redundancy.varying_rank import rank_rows
-from kousoku.codegen.dynamics.simplification.body_blocks import inverse_masses as of_body
+from kousoku.codegen.dynamics.simplification.body_blocks import inverse_masses
 from kousoku.model.lowering.root_functions import root_functions_of
 from kousoku.model.mechanics.constraints import is_length
 from kousoku.model.numbers import precise
@@ -33,7 +33,7 @@ IGNORED = 1e300
 def layout_sizes(program: Program) -> dict[str, int]:
     """Counts of the layout of a solver, by their names in C."""
     present = {region.name: region.size for region in program.regions}
-    counted = counted_turns(program)
+    counted = unwrapped_angles(program)
     crossings = sum(present.get(name, 0) for name in ("crossings", "breaks", "poles"))
     return {
         "NQ": present["q"],
@@ -70,7 +70,7 @@ def works(program: Program) -> int:
     return sum(entry.kind == WORK for entry in program.auxiliary) if program.has_masses else 0
 
 
-def counted_turns(program: Program) -> range:
+def unwrapped_angles(program: Program) -> range:
     """Entries of q that count turns."""
     counted = [counter.place.slot for counter in program.auxiliary if counter.kind == TURNS]
     first = min(counted) - program.region("q").base if counted else 0
@@ -113,7 +113,7 @@ def tables(
         else [],
         "shifts": [(owner[a], (a - q.start, b - v.start)) for a, b in shifts],
         "orientations": [
-            (owner[a], (a - q.start, b - v.start, n)) for a, b, n in turn_slots(program)
+            (owner[a], (a - q.start, b - v.start, n)) for a, b, n in orientation_slots(program)
         ],
         "inverse_masses": [
             (owner[slot], float(x))
@@ -237,7 +237,7 @@ def inverse_mass_table(program: Program, system: System) -> list[float]:
     diagonal = [0.0] * program.region("v").size
     base = program.region("v").base
     for body, places in zip(system.bodies, program.bodies, strict=True):
-        inverse = of_body(body, range(6))
+        inverse = inverse_masses(body, range(6))
         for place, value in zip((*places.v, *places.omega_b), inverse, strict=True):
             if place.slot >= 0:
                 diagonal[place.slot - base] = precise.double(value)
@@ -303,7 +303,7 @@ def added(program: Program) -> int:
     return len(shift_slots(program)) - sum(x.slot >= 0 for body in placed for x in body.v)
 
 
-def turn_slots(program: Program) -> list[tuple[int, int, int]]:
+def orientation_slots(program: Program) -> list[tuple[int, int, int]]:
     """First slot of the Euler parameters, that of ω′, and count of variable parameters, by body."""
     turns = []
     for body in program.bodies:

@@ -21,10 +21,10 @@ from kousoku.codegen.dynamics.emission.context import (
 from kousoku.codegen.dynamics.emission.context_numbers import (
     Table,
     added,
-    counted_turns,
     has_drivers,
     has_row_switch,
     tables,
+    unwrapped_angles,
     works,
 )
 from kousoku.codegen.dynamics.emission.slots import Slots, slots_of
@@ -154,7 +154,7 @@ def numpy_context(
     parts : sequence of str
         Regions that a row has beyond time, q and v.
     """
-    counted = counted_turns(program)
+    counted = unwrapped_angles(program)
     numbers = {
         "length": length,
         "closure_tolerance": system.closure_tolerance,

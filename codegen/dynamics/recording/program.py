@@ -288,7 +288,7 @@ class Program:
         raise EmitError(f"the program of {self.name} has no segment {name}; it has {known}")
 
 
-#: What the regions hold, in the order of the workspace.
+#: What the regions hold. In the workspace they are in the order in which they are set aside.
 REGIONS = {
     "t": "time, s",
     "parameters": "what formulas depend on and a run may vary, in the order of the scene",

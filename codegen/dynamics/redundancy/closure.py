@@ -314,14 +314,14 @@ def _stay_left_out(position: BranchPosition, indices: Sequence[int]) -> bool:
     return factors.rank == len(indices) and bool(factors.pivots.min() ** 2 > FALL_BACK)
 
 
-def notes_of_freedom(system: System, freedom: Mobility) -> Iterator[str]:
+def notes_of_freedom(system: System, mobility: Mobility) -> Iterator[str]:
     """Notes on rows that were taken as redundant, and on scenes in which nothing moves."""
     fixed = fixed_system(system)
     # with other parameters residuals may be larger, and what is rigid here may move
     depends = fixed.constraints != system.constraints or system.written_starts
     condition = ", with the parameters of the scene" if depends else ""
     worst: dict[tuple[str, bool], float] = {}
-    for closed in freedom.closed:
+    for closed in mobility.closed:
         key = (key_of(system.constraints[closed.row.instance]), closed.is_length)
         worst[key] = max(worst.get(key, 0.0), closed.missed)
     if max(worst.values(), default=0.0) > BRANCH_TOLERANCE:
@@ -338,5 +338,5 @@ def notes_of_freedom(system: System, freedom: Mobility) -> Iterator[str]:
             f" rows of {listed(texts)}{condition}; they are left out, and miss so much"
             " along the motion"
         )
-    if not freedom.degrees and not any(instance.is_driver for instance in system.constraints):
+    if not mobility.degrees and not any(instance.is_driver for instance in system.constraints):
         yield f"nothing can move: joints hold all bodies where they are{condition}"

@@ -39,14 +39,14 @@ ROW_RANK_TOLERANCE = 1e-9
 MOST_RETURN_STEPS, RETURN_TOLERANCE = 20, 1e-12
 
 
-def require_own_rows_implied(system: System, freedom: Mobility, *, is_planar: bool) -> None:
+def require_own_rows_implied(system: System, mobility: Mobility, *, is_planar: bool) -> None:
     """Refuse rows of kinds of one's own that would be left out, though others do not imply them.
 
     Parameters
     ----------
     system : System
         The scene, assembled, its numbers fixed.
-    freedom : Mobility
+    mobility : Mobility
         Its rows that depend on others.
     is_planar : bool
         Whether all bodies stay in planes parallel to the xy-plane.
@@ -56,13 +56,15 @@ def require_own_rows_implied(system: System, freedom: Mobility, *, is_planar: bo
     SceneError
         The message names the joint.
     """
-    own_rows = [row for row in freedom.dropped if is_own(system.constraints[row.instance].kind)]
+    own_rows = [row for row in mobility.dropped if is_own(system.constraints[row.instance].kind)]
     if not own_rows:
         return
-    tolerance = CLEARLY * system.closure_tolerance * TRIAL_MOVE if freedom.closed else 0.0
+    tolerance = CLEARLY * system.closure_tolerance * TRIAL_MOVE if mobility.closed else 0.0
     rows = Residuals.of(system, system.constraints)
     length = characteristic_length(system)
-    index = {(row.instance, row.row): rows.first[row.instance] + row.row for row in freedom.dropped}
+    index = {
+        (row.instance, row.row): rows.first[row.instance] + row.row for row in mobility.dropped
+    }
     columns = [k for k in _columns(system) if not (is_planar and k % COLUMNS in OUT)]
     moves = _Moves(system, rows, sorted(index.values()), columns, length)
     for missed in moves.missed():
@@ -77,14 +79,14 @@ def require_own_rows_implied(system: System, freedom: Mobility, *, is_planar: bo
             )
 
 
-def repeated_rows(system: System, freedom: Mobility) -> tuple[RowIndex, ...]:
+def repeated_rows(system: System, mobility: Mobility) -> tuple[RowIndex, ...]:
     """Rows left out that other rows of the same joint, of a kind of one's own, imply.
 
     The reaction of the joint does not depend on their multipliers: they carry nothing.
     """
     repeated: list[RowIndex] = []
     for index, instance in enumerate(system.constraints):
-        dropped = [row for row in freedom.dropped if row.instance == index]
+        dropped = [row for row in mobility.dropped if row.instance == index]
         if not dropped or not is_own(instance.kind):
             continue
         _, matrix = Residuals.of(system, [instance]).doubles(*positions_of(system.bodies))

@@ -197,6 +197,6 @@ def damped_change(matrix: Array, wanted: Array, damping: float) -> Array:
 
 
 def _combined(rows: Array, factors: Array) -> Array:
-    """Sum of rows times factors, Aᵀ x: so many products of columns with x, too."""
+    """Sum of rows times factors, Aᵀ x (columns,), added up in an order fixed here."""
     total: Array = (rows * factors[:, None]).sum(axis=0)
     return total

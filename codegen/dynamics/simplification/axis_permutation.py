@@ -79,8 +79,8 @@ def permuted(system: System, shift: int) -> System:
 
 
 def permuted_columns(columns: Sequence[int], shift: int) -> tuple[int, ...]:
-    """Columns (c,) of a body in a permuted system: places in δr, frame O, and δθ′, body frame."""
-    return tuple(sorted(k // 3 * 3 + (k + shift) % 3 for k in columns))
+    """Columns (c,) of a body, of δr (frame O) and δθ′ (body frame), in the permuted system."""
+    return tuple(sorted(k // 3 * 3 + (k - shift) % 3 for k in columns))
 
 
 def permuted_rows(rows: Iterable[RowIndex], system: System, shift: int) -> tuple[RowIndex, ...]:

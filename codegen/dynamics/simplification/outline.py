@@ -96,7 +96,7 @@ def outline_of(system: System, plane: Plane | None) -> Outline:
     shapes = (shape(body, is_planar=is_planar) for body in system.bodies)
     return Outline(
         plane=plane,
-        columns=tuple(permuted_columns(columns, shift) for _, columns in shapes),
+        columns=tuple(permuted_columns(columns, -shift) for _, columns in shapes),
         rows=permuted_rows(rows, turned, -shift),
     )
 

@@ -57,7 +57,8 @@ def band_at(node: TimeNode, search: Search) -> Array:
 def is_isolated(sides: Array, a: TimeNode, b: TimeNode, bounds: Array, search: Search) -> Flags:
     """Whether functions cross between two nodes as often as their sides tell: root isolation.
 
-    Sides (functions,) are those before, bounds (4, functions) those of :func:`.search.bound_functions`.
+    Sides (functions,) are those before, bounds (4, functions) those of
+    :func:`.search.bound_functions`.
     """
     n, is_down = len(sides), sides < 0.0
     low, high, slowest, fastest = bounds[:, :n]

@@ -275,7 +275,10 @@ class SceneTables:
 
     @property
     def has_refinement(self) -> bool:
-        """Whether there are loops, in which rows may become dependent."""
+        """Whether accelerations may be refined.
+
+        Rows are left out, joints close loops, or masses are very unequal.
+        """
         return "refinement" in self.tasks
 
     @property

@@ -40,9 +40,9 @@ static int beyond(double size, double most, int doubt) { return size <= most ? 0
  * may be such an error */
 static double allowed_part(double limit, const Settings *settings, const State *s)
 {
-    const double way = s->fastest * s->stride;
-    if (settings->fixed_step > 0.0 || !(0.0 < way && way < NOTHING_MOVES)) return limit;
-    const double part = limit * (NOTHING_MOVES / way);
+    const double travel = s->fastest * s->stride;
+    if (settings->fixed_step > 0.0 || !(0.0 < travel && travel < NOTHING_MOVES)) return limit;
+    const double part = limit * (NOTHING_MOVES / travel);
     return part + part * part;
 }
 
@@ -67,14 +67,14 @@ static void judge(const Settings *settings, const State *s, Verdict *verdict)
 {
     enum { HELD = HAS_JOINT_COORDINATES ? NCHECK : NC, IS_FREE = HELD != NV };
     enum { KNOWS_ENERGY = IS_DRIVEN ? WORKS > 0 : IS_FREE };
-    const double moved = s->energy_moved, many = HEALTHY * larger(1.0, s->steps / PER_STEPS);
+    const double moved = s->energy_moved, allowance = HEALTHY * larger(1.0, s->steps / PER_STEPS);
     const double constraints = largest_residual(s, 0, HELD);
     const double missed = largest_residual(s, HELD, NCHECK);
     double tolerance = settings->fixed_step > 0.0 ? FIXED : settings->tolerance;
     /* where rows take over from others bodies go on where these hold: as far off as rows miss */
     if (s->fallbacks > 0.0 && missed > MISSES) tolerance = larger(tolerance, missed);
-    const double limit = smaller(many * tolerance, MOST_LOST);
-    const double off = smaller(many * larger(tolerance, LEAST), MOST_LOST);
+    const double limit = smaller(allowance * tolerance, MOST_LOST);
+    const double correction_limit = smaller(allowance * larger(tolerance, LEAST), MOST_LOST);
     const double part = allowed_part(limit, settings, s);
     const double energy_limit = larger(part * moved, known_energy(s));
     /* without signs, so that errors of steps add up that are none in all */
@@ -87,13 +87,14 @@ static void judge(const Settings *settings, const State *s, Verdict *verdict)
         if (settings->method == METHODS)
             doubts |= beyond(s->work_error, work_limit, PUBLIC(DOUBT_WORKS));
     }
-    doubts |= beyond(constraints, off, PUBLIC(DOUBT_CONSTRAINTS));
+    doubts |= beyond(constraints, correction_limit, PUBLIC(DOUBT_CONSTRAINTS));
     if (IS_FREE) { /* else corrections take away all of the error of a step or row */
-        doubts |= beyond(s->drift, off, PUBLIC(DOUBT_DRIFT));
-        doubts |= beyond(s->row_drift, off, PUBLIC(DOUBT_ROW_DRIFT));
+        doubts |= beyond(s->drift, correction_limit, PUBLIC(DOUBT_DRIFT));
+        doubts |= beyond(s->row_drift, correction_limit, PUBLIC(DOUBT_ROW_DRIFT));
     }
     doubts |= beyond(s->branch_points, 0.0, PUBLIC(DOUBT_BRANCH_POINTS));
     doubts |= beyond(s->unresolved, 0.0, PUBLIC(DOUBT_NARROW));
     doubts |= beyond(s->impulse, limit * fastest_or_nothing(s), PUBLIC(DOUBT_IMPULSE));
-    *verdict = (Verdict){ doubts, limit, off, energy_limit, work_limit, constraints, missed };
+    *verdict = (Verdict){ doubts, limit, correction_limit, energy_limit, work_limit, constraints,
+        missed };
 }

@@ -265,7 +265,7 @@ def judge(
     if single["fallbacks"] > 0.0 and missed > MISSES:
         tolerance = larger(tolerance, missed)
     limit = smaller(allowance * tolerance, MOST_LOST)
-    drift_limit = smaller(allowance * larger(tolerance, LEAST), MOST_LOST)
+    correction_limit = smaller(allowance * larger(tolerance, LEAST), MOST_LOST)
     part = allowed_part(limit, settings, single)
     energy_limit = larger(part * moved, known_energy(single))
     # without signs, so that errors of steps add up that are none in all
@@ -277,14 +277,16 @@ def judge(
         doubts |= beyond(single["energy_error"], energy_limit, Doubt.ENERGY)
         if settings.is_kinematic:
             doubts |= beyond(single["work_error"], work_limit, Doubt.WORKS)
-    doubts |= beyond(constraints, drift_limit, Doubt.CONSTRAINTS)
+    doubts |= beyond(constraints, correction_limit, Doubt.CONSTRAINTS)
     if is_free:  # else corrections take away all of the error of a step or row
-        doubts |= beyond(single["drift"], drift_limit, Doubt.DRIFT)
-        doubts |= beyond(single["row_drift"], drift_limit, Doubt.ROW_DRIFT)
+        doubts |= beyond(single["drift"], correction_limit, Doubt.DRIFT)
+        doubts |= beyond(single["row_drift"], correction_limit, Doubt.ROW_DRIFT)
     doubts |= beyond(single["branch_points"], 0.0, Doubt.BRANCH_POINTS)
     doubts |= beyond(single["unresolved"], 0.0, Doubt.NARROW)
     doubts |= beyond(single["impulse"], limit * fastest_or_nothing(single), Doubt.IMPULSE)
-    return RunVerdict(doubts, limit, drift_limit, energy_limit, work_limit, constraints, missed)
+    return RunVerdict(
+        doubts, limit, correction_limit, energy_limit, work_limit, constraints, missed
+    )
 
 
 def problems_of(

@@ -83,7 +83,7 @@ def test_analyses_tell_what_they_found() -> None:
     assert (apart.lumped, len(apart.system.bodies)) == ((), 2)
     for one in (found, apart):
         assert one.outline.is_planar
-        assert one.freedom.degrees == 1
+        assert one.mobility.degrees == 1
         assert one.missing == ()
 
 

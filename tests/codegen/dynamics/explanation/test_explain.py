@@ -74,7 +74,7 @@ def test_a_planar_scene_costs_less_than_half_and_moves_as_in_space(
     system = replace(mechanisms.four_bars(count), gravity=(5.0, -9.81, 0.0))
     flat = compose(all_rows(system))
     found = independent(system, may_be_planar=False)
-    spatial, freedom = compose(found), found.freedom
+    spatial, freedom = compose(found), found.mobility
 
     assert len(freedom.dropped) == 3 * count
     assert 2 * operations(flat) < operations(spatial)

@@ -126,7 +126,7 @@ def test_a_loop_of_revolutes_without_the_geometry_of_bricard_does_not_move(
 
 def test_a_program_keeps_as_many_rows_as_the_rank(made: SimpleNamespace) -> None:
     found = independent(turned_bar(made))
-    program, freedom = compose(found), found.freedom
+    program, freedom = compose(found), found.mobility
 
     assert len(program.rows) == freedom.rank == 17
     kept = {(row.instance, row.row) for row in program.rows}
