@@ -181,7 +181,7 @@ def resolved_end(end: float, search: Search) -> float:
     start = first = search.start
     span = allowed = width = end - start
     count = 0
-    while first < start + allowed:
+    while first < smaller(start + allowed, end):  # the sum may be rounded up, beyond the end
         if count == MOST_NODES:
             search.is_unresolved = search.is_unresolved or not is_at_pole(
                 first, end, search, in_between=True

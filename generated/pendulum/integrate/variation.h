@@ -145,7 +145,8 @@ static double resolved_end(double end, Search *search, const State *s, Work *wor
 {
     const double start = search->start, whole = end - start;
     double first = start, allowed = whole, width = whole;
-    for (size_t n = 0; first < start + allowed; ++n) {
+    /* the sum may be rounded up, beyond the end */
+    for (size_t n = 0; first < smaller(start + allowed, end); ++n) {
         if (n == MOST_NODES) {
             search->is_unresolved = search->is_unresolved ||
                                     !is_at_pole(1, first, end, search, s, work);

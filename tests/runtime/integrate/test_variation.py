@@ -11,7 +11,7 @@ import pytest
 
 from kousoku.runtime.integrate import variation
 from kousoku.runtime.integrate.search import CELLS, TimeNode
-from kousoku.runtime.integrate.variation import are_narrow_resolved
+from kousoku.runtime.integrate.variation import are_narrow_resolved, resolved_end
 
 
 def sampled(
@@ -91,3 +91,19 @@ def test_a_part_whose_bounds_leave_it_nearly_what_it_is_is_resolved(
     steep = (lambda _: 4.0, lambda *_: (-9.0, 9.0))
     assert sampled(monkeypatch, *steep, lambda *_: (3.0, 5.0))[0]
     assert not sampled(monkeypatch, *steep, lambda *_: (2.9, 5.1))[0]
+
+
+def test_a_step_whose_length_is_rounded_up_is_looked_at_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Nothing was resolved in what is left of it, which is empty: a false alarm, 511 looks."""
+    start, end = 0.3, 0.9
+    assert start + (end - start) > end
+    looks: list[tuple[float, float]] = []
+    monkeypatch.setattr(
+        variation, "are_narrow_resolved", lambda a, b, _: looks.append((a, b)) or True
+    )
+    monkeypatch.setattr(variation, "is_at_pole", lambda *_, in_between: False)
+    search: Any = SimpleNamespace(start=start, h=end - start, is_unresolved=False)
+    assert (resolved_end(end, search), search.is_unresolved) == (end, False)
+    assert looks == [(start, end)]
