@@ -100,9 +100,12 @@ def test_a_step_whose_length_is_rounded_up_is_looked_at_once(
     start, end = 0.3, 0.9
     assert start + (end - start) > end
     looks: list[tuple[float, float]] = []
-    monkeypatch.setattr(
-        variation, "are_narrow_resolved", lambda a, b, _: looks.append((a, b)) or True
-    )
+
+    def are_resolved(first: float, last: float, _: Any) -> bool:
+        looks.append((first, last))
+        return True
+
+    monkeypatch.setattr(variation, "are_narrow_resolved", are_resolved)
     monkeypatch.setattr(variation, "is_at_pole", lambda *_, in_between: False)
     search: Any = SimpleNamespace(start=start, h=end - start, is_unresolved=False)
     assert (resolved_end(end, search), search.is_unresolved) == (end, False)
