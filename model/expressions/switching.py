@@ -372,7 +372,9 @@ def varying_parts(
     """Smooth functions whose sum or extreme a formula is, except polynomials of low degree.
 
     Where they vary much faster than elsewhere, a step of the usual length may skip it. Products and
-    powers of them vary faster than they do: these are taken as a whole.
+    powers of them vary faster than they do: these are taken as a whole. A narrow part may also hide
+    behind a wide one in the argument of a function, as in sin(x + exp(-u²)/100): what is smooth in
+    such a sum is taken, too, as if the function had slope one.
     Names that are not among the varying ones do not change in a run. With each function comes the
     constant that it is multiplied by, so that their product is in the unit of the formula.
     """
@@ -404,10 +406,31 @@ def varying_parts(
         is_whole = part.op is Op.POW or (part.op is Op.MUL and (changes or len(fast) != 1))
         if is_whole or not _is_transparent(part, varying):
             yield part, factor
+            terms = list(_hidden_terms(part, varying, is_varying))
+            made += terms
+            stack.extend((term, factor) for term in reversed(terms))
             continue
         if part.op in {Op.MUL, Op.DIV}:
             factor = apply(part.op, factor, *slow)
         stack.extend((arg, factor) for arg in reversed(fast))
+
+
+def _hidden_terms(
+    formula: Expression, varying: Collection[str], is_varying: Callable[[Expression], bool]
+) -> Iterator[Expression]:
+    """Terms that vary fast beside others in arguments of functions, unless they may be infinite.
+
+    A function may be bounded where a term of its argument is infinite, and is watched itself.
+    """
+    for function in ordered(formula):
+        if _is_transparent(function, varying) and function.op is not Op.POW:
+            continue
+        for arg in function.args:
+            terms = [x for term in summands(arg) for x in _distributed(term, is_varying)]
+            changing = [term for term in terms if not set(varying).isdisjoint(names_of(term))]
+            if len(changing) > 1:
+                fast = filter(is_varying, changing)
+                yield from (term for term in fast if not any(poles_of(term, varying)))
 
 
 def _distributed(formula: Expression, is_varying: Callable[[Expression], bool]) -> list[Expression]:

@@ -443,6 +443,14 @@ static double factor_where_blind(double rough, const WorkEstimate *works, State 
     return 1.0;
 }
 
+/* length of the first trial of a step; the last one is tiny up to a cut near the start */
+static double first_length(const Settings *settings, double asked, const State *s)
+{
+    if (!(s->step_size > 0.0)) return settings->largest_step;
+    const double least = ONWARD * SMALLEST * larger(fabs(s->time), fabs(asked));
+    return smaller(larger(s->step_size, least), settings->largest_step);
+}
+
 /* the next position of a motion that drivers determine, at most at the time that is asked for.
  * Steps are halved until they are smooth. Where rows are nearly dependent at the end, it is
  * put elsewhere: before that position as long as possible, then behind it, also behind the
@@ -451,10 +459,9 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
 {
     double drift = 0.0, rough = 0.0, part = 1.0;
     int is_deep = 0;
-    double longest = settings->largest_step;
+    double longest = first_length(settings, asked, s);
     const int tells_works = HAS_ENERGIES || settings->checks; /* in rows, or the ledger */
     Search search = { .cut = s->time, .is_kept = 1 };
-    if (s->step_size > 0.0) longest = smaller(s->step_size, longest);
     for (;;) {
         const int is_last = s->time + STRETCH_TO_END * longest >= asked;
         const double whole = is_last ? asked - s->time : longest;

@@ -10,7 +10,7 @@ import numpy as np
 from .arithmetic import larger, smaller
 from .branch_watch import LEVEL_RATIO_PART, meeting_part
 from .branches import BRANCH_LOST, ON_BRANCH, follow_branch, note_branch
-from .crossing import STRETCH_TO_END, crossing_end, note_crossings, why_stopped
+from .crossing import ONWARD, STRETCH_TO_END, crossing_end, note_crossings, why_stopped
 from .dense_output import hermite_cubic
 from .methods import METHODS
 from .motion_scales import energy_balance, energy_moved, energy_of_works, note_motion, note_moved
@@ -516,6 +516,14 @@ def factor_where_blind(rough: float, works: WorkEstimate, state: State) -> float
     return 1.0
 
 
+def first_length(s: Settings, asked: float, state: State) -> float:
+    """Length [s] of the first trial of a step; the last one is tiny up to a cut near the start."""
+    if not state.step_size > 0.0:
+        return s.largest_step
+    least = ONWARD * SMALLEST * larger(abs(state.time), abs(asked))
+    return smaller(larger(state.step_size, least), s.largest_step)
+
+
 def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
     """Find the next position of a motion that drivers determine, at most at the time asked for.
 
@@ -524,7 +532,7 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
     is asked for.
     """
     part, is_deep, search = 1.0, False, Search(state, work, state.time)
-    longest = smaller(state.step_size, s.largest_step) if state.step_size > 0.0 else s.largest_step
+    longest = first_length(s, asked, state)
     tells_works = "energies" in work.scene.parts or bool(s.checks)  # in rows, or the ledger
     while True:
         is_last = state.time + STRETCH_TO_END * longest >= asked

@@ -167,6 +167,74 @@ def test_works_of_the_tail_of_a_hill_along_a_driver_are_summed_to_the_tolerance(
     assert run["work.f"][-1] == pytest.approx(expected, rel=20e-9)
 
 
+BEHIND = "0.3*sin(q*x + h*exp(-((x - c)/w)^2))"
+
+
+def shallow(at: dict[str, float], end: float) -> float:
+    """Integral of the formula above from 0 to an end, by quadrature in pieces."""
+    q, h, c, w = (at[name] for name in "qhcw")
+    places = (0.0, *(c + k * w for k in (-8.0, -2.0, 2.0, 8.0)), end)
+
+    def force(x: float) -> float:
+        return 0.3 * math.sin(q * x + h * math.exp(-(((x - c) / w) ** 2)))
+
+    return sum(simpson(force, *piece) for piece in pairwise(places))
+
+
+@pytest.mark.parametrize(
+    ("method", "tolerance", "at"),
+    [
+        ("dop853", 1e-10, {"q": 0.3, "w": 0.005485315, "h": 0.0005759581, "c": 4.1826146}),
+        ("dop853", 1e-8, {"q": 0.5, "w": 0.00469122182, "h": 0.0011728, "c": 4.7059}),
+        ("kinematics", 1e-10, {"q": 0.05, "w": 0.00911129127, "h": 9.111291e-05, "c": 4.17254539}),
+        ("kinematics", 1e-7, {"q": 0.5, "w": 0.02259, "h": 0.0061426, "c": 4.55007}),
+    ],
+)
+def test_a_shallow_hill_beside_a_wide_part_of_an_argument_is_not_passed_over(
+    method: Any, tolerance: float, at: dict[str, float]
+) -> None:
+    """It is no steeper than what it hides behind, and was missed by up to 3,500 tolerances."""
+    scene = LED.replace("[5,", "[0,").replace("LAW", BEHIND).replace("5 + 5*sin(0.8*t)", "t")
+    scene = f"parameters = {{ q = 1, h = 1, c = 1, w = 1 }}\n{scene}"
+    if method != "kinematics":
+        scene = scene.replace("drivers.d", "# ").replace(
+            "mass = 1", "velocity = [1, 0, 0], mass = 1"
+        )
+        scene = scene.replace('"energies"', '"energies", "coordinates"')
+    run = ks.load(scene).simulate(
+        10.0, samples=2, method=method, tolerance=tolerance, parameters=at
+    )
+    assert run.ledger.trust.is_trusted
+    end = 10.0 if method == "kinematics" else float(run["x"][-1])
+    assert run["work.f"][-1] == pytest.approx(shallow(at, end), rel=20.0 * tolerance, abs=1e-13)
+
+
+def test_a_shallow_hill_of_time_beside_a_wide_part_of_an_argument_is_not_passed_over() -> None:
+    """The speed was off by 2,500 tolerances, in 31 steps."""
+    law = "0.3*sin(0.05*t + 1.2237e-4*exp(-((t - 6.03668)/0.0070083)^2))"
+    run = cart(law).simulate(10.0, samples=3, method="dopri5", tolerance=1e-10)
+    assert run.ledger.trust.is_trusted
+    of_hill = 0.3 * math.cos(0.05 * 6.03668) * 1.2237e-4 * 0.0070083 * math.sqrt(math.pi)
+    speed = 1.0 + 6.0 * (1.0 - math.cos(0.5)) + of_hill  # the square of the hill is 1e-11
+    assert run.body("cart").velocity[-1, 0] == pytest.approx(speed, abs=3e-10)
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+def test_a_driven_motion_goes_on_behind_a_kink_at_its_start(target: Any) -> None:
+    """The first step, to the kink, was tiny, and twice as much was no step: a dead centre."""
+    scene = LED.replace("[5,", "[0,").replace("5 + 5*sin(0.8*t)", "30*t + 0.3*sin(2*t)")
+    at = 0.002215336338333643
+    scene = scene.replace("LAW", f"abs(x - 30*t - {at} + {at})")
+    run = ks.load(scene, target=target).simulate(10.0, samples=2, tolerance=1e-7)
+    assert run.ledger.trust.is_trusted
+    # ∫ |0.3 sin 2t| (30 + 0.6 cos 2t) dt, of half waves of 1/2 pi each
+    whole, left = divmod(10.0, math.pi / 2.0)
+    area = whole + 0.5 * (1.0 - math.cos(2.0 * left))
+    square = (0.3 * math.sin(2.0 * left)) ** 2 / 2.0 * (-1.0) ** whole
+    assert run["work.f"][-1] == pytest.approx(9.0 * area + square, rel=1e-5)
+
+
 def simpson(f: Callable[[float], float], a: float, b: float, count: int = 2000) -> float:
     h = (b - a) / count
     inner = sum((4 if k % 2 else 2) * f(a + k * h) for k in range(1, count))

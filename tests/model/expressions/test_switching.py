@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from kousoku.model.expressions.parser import parse_expression
-from kousoku.model.expressions.switching import poles_of, switching_functions
+from kousoku.model.expressions.switching import poles_of, switching_functions, varying_parts
 from kousoku.model.operations.expression import symbol
 
 NAMES = ("x", "y", "m")
@@ -48,3 +48,27 @@ def test_what_is_bounded_has_no_pole(text: str, is_pole: bool) -> None:
 def test_a_jump_is_looked_for_in_what_roots_and_powers_divide_by() -> None:
     found = [*switching_functions(parse_expression("atan(y/sqrt(x^3))", NAMES))]
     assert symbol("x") in found
+
+
+@pytest.mark.parametrize(
+    ("text", "hidden"),
+    [
+        ("sin(x + 3*exp(-(y^2)))", ["exp(-(y^2))"]),
+        ("y*sqrt(1 + (x + sin(y))^2)", ["sin(y)"]),
+        ("atan(x*(2 + exp(-(x^2))))", ["exp(-(x^2))*x"]),
+        ("exp(x + sin(y + cos(x)))", ["sin(y + cos(x))", "cos(x)"]),
+        ("1/(2 + x^2 + max(1, cos(y)))", ["cos(y)"]),
+        ("sin(exp(-(x^2)))", []),  # beside it nothing varies
+        ("cos(m + sin(x))", []),
+        ("sin(x + y^2)", []),
+        ("atan(x + 1/y^2)", []),  # it is infinite where y is zero, and the formula is not
+        ("sin(x) + cos(y)", []),
+    ],
+)
+def test_what_varies_beside_others_in_an_argument_is_a_part_of_its_own(
+    text: str, hidden: list[str]
+) -> None:
+    parts = {part for part, _ in varying_parts(parse_expression(text, NAMES), {"x", "y"})}
+    inner = {parse_expression(part, NAMES) for part in hidden}
+    assert inner <= parts
+    assert len(parts - inner) == (2 if text == "sin(x) + cos(y)" else 1)
