@@ -52,6 +52,12 @@ ANSWERS = {
             "the product of two fractions, whichever is first"
         ),
     },
+    "codegen/dynamics/operations/heights.py": {
+        "'0.0' -> '1' in 'ground = (0.0, 0.0, 0.0, *NO_TURN)'": (
+            "scenes whose place at the start decides that they are planar;"
+            " tests/codegen/dynamics/operations/test_heights.py asks for it"
+        ),
+    },
     "codegen/passes/rebuild.py": {
         "'1' -> '(2 * 1)' in 'for node in range(len(nodes) - 1, -1, -1):'": (
             "the last node is asked once more: what it needs is known by then"
