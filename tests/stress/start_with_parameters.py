@@ -75,7 +75,7 @@ def ask(tree: dict[str, Any], draw: random.Random, outcome: Outcome, place: str)
         what = ", with redundant rows" if is_redundant else ""
         limit = FAR_PLACE if is_redundant else PLACE
         outcome.measure(f"place of the file{what} (lengths of the scene)", elsewhere, place, limit)
-    if closed > PLACE:
+    if closed > PLACE or motion.ledger.missed:
         outcome.count("begun where joints are closed within their tolerance, not to rounding")
         return
     outcome.measure("velocity of the file there (relative)", faster, place)
