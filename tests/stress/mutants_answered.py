@@ -52,6 +52,12 @@ ANSWERS = {
             "the product of two fractions, whichever is first"
         ),
     },
+    "codegen/dynamics/operations/heights.py": {
+        "'0.0' -> '1' in 'ground = (0.0, 0.0, 0.0, *NO_TURN)'": (
+            "scenes whose place at the start decides that they are planar;"
+            " tests/codegen/dynamics/operations/test_heights.py asks for it"
+        ),
+    },
     "codegen/passes/rebuild.py": {
         "'1' -> '(2 * 1)' in 'for node in range(len(nodes) - 1, -1, -1):'": (
             "the last node is asked once more: what it needs is known by then"
@@ -116,12 +122,18 @@ ANSWERS = {
         "'>' -> '>=' in 'while last - first > SMALLEST": "one more halving at most",
     },
     "runtime/integrate/switching.py": {
+        "'first, last' -> 'last, first' in 'return last - first <= SMALLEST * span and": (
+            "two times that are one but for rounding, whichever is first"
+        ),
         "'<' -> '<=' in 'last = first + h if h < end - first else end'": (
             "an interval that is all that is left ends beside its end by rounding, and one more"
             " follows"
         ),
     },
     "runtime/integrate/initial_coordinates.py": {
+        "'*' -> '/' in 'q, motions, made, step = trial, trial_motions, following, GROW * step'": (
+            "other steps are tried on the way to given coordinates; those that fail are shortened"
+        ),
         "'0.3' -> '(2 * 0.3)' in 'LONGEST_CONTINUATION_STEP =": (
             "longer steps are tried on the way to given coordinates; those that fail are shortened"
         ),
