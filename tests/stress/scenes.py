@@ -269,7 +269,10 @@ def methods(tree: Tree, runs: dict[str, Any], outcome: Outcome, place: str) -> N
             outcome.find(f"{name} and {other} are apart, and trusted", f"{off:.3g}; {place}")
         if not verdict.is_trusted:
             outcome.count("verdicts 'not trusted'")
-            if off <= limit:
+            # √|u| of what rests at 0: methods agree or not, by rounding of u
+            if verdict.impulse is not None and len(verdict.problems) == 1:
+                outcome.count("verdicts 'not trusted', as rounding decides about a force")
+            elif off <= limit:
                 outcome.count("false alarms")
                 outcome.find(f"{name}: a false alarm", f"{verdict}; {place}")
 
