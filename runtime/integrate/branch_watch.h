@@ -1,8 +1,9 @@
 /* Branches in a step: whether pivot ratios tell that it led past a singular configuration. Beyond
  * one a step may have gone on to another branch of the constraints. */
 
-/* check a step for other branches if its smallest branch ratio, by this parabola or at a stage, is
- * below this part of the larger ratio at its ends */
+/* check a step for other branches if its smallest branch ratio, by a parabola through those
+ * at its ends and at a stage inside, or at a stage, is below this part of the larger ratio at its
+ * ends */
 #define FALLEN_RATIO_PART 0.1
 /* check a step for other branches, too, if a stage has a branch ratio below this part of the
  * smaller ratio at its ends */

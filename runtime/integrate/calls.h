@@ -33,7 +33,7 @@ int PUBLIC(start)(double time, const double *q, const double *v, const double *p
     s->least_pivot_ratio_time = time;
     memcpy(s->y, q, NQ * sizeof *q);
     memcpy(s->y + NQ, v, NV * sizeof *v);
-    if (HAS_ROW_SWITCH) note_usual_ratio(work, s);
+    if (HAS_ROW_SWITCH) note_first_pivot_ratio(work, s);
     if (HAS_CONTINUATION && !continue_parameters(s, work)) return NOT_ASSEMBLED;
     if (!project(time, 0.0, s->y, s->low, s->f, work, s, NULL)) return NOT_ASSEMBLED;
     note_lost_digits(work, s);

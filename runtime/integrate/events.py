@@ -1,4 +1,4 @@
-"""Events of a run: how often they were, when, and the states there."""
+"""Events of a run, and words for where events, drivers or forces lead no further."""
 
 from __future__ import annotations
 

@@ -452,9 +452,9 @@ static double first_length(const Settings *settings, double asked, const State *
 }
 
 /* the next position of a motion that drivers determine, at most at the time that is asked for.
- * Steps are halved until they are smooth. Where rows are nearly dependent at the end, it is
- * put elsewhere: before that position as long as possible, then behind it, also behind the
- * time that is asked for */
+ * Steps are made shorter until they are smooth and sum works to the tolerance. Where rows are
+ * nearly dependent at the end, it is put elsewhere: before that position as long as possible, then
+ * behind it, also behind the time that is asked for */
 static int driven_step(const Settings *settings, double asked, State *s, Work *work)
 {
     double drift = 0.0, rough = 0.0, part = 1.0;

@@ -527,9 +527,9 @@ def first_length(s: Settings, asked: float, state: State) -> float:
 def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
     """Find the next position of a motion that drivers determine, at most at the time asked for.
 
-    Steps are halved until they are smooth. Where rows are nearly dependent at the end, it is put
-    elsewhere: before that position as long as possible, then behind it, also behind the time that
-    is asked for.
+    Steps are made shorter until they are smooth and sum works to the tolerance. Where rows are
+    nearly dependent at the end, it is put elsewhere: before that position as long as possible, then
+    behind it, also behind the time that is asked for.
     """
     part, is_deep, search = 1.0, False, Search(state, work, state.time)
     longest = first_length(s, asked, state)

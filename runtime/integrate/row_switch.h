@@ -1,9 +1,9 @@
-/* The row switch-over: where the rows that are kept lose rank. * Some rows of the constraints
- * depend on others and are left out. Where those that are kept are nearly dependent, the rows that
- * were left out take over: all rows are solved for, as many as are independent, in the order of the
+/* The row switch-over: where the rows that are kept lose rank. Some rows of the constraints depend
+ * on others and are left out. Where those that are kept are nearly dependent, the rows that were
+ * left out take over: all rows are solved for, as many as are independent, in the order of the
  * largest pivots. A column of C_q is the rate of the rows at a unit velocity less their rate at
- * rest, -nu, which drivers cause. No row of a driver depends on
- * others: its multiplier is the same whichever rows are solved for. */
+ * rest, -nu, which drivers cause. No row of a driver depends on others: its multiplier is the same
+ * whichever rows are solved for. */
 
 /* pivot ratio of the rows that are kept, relative to the largest so far, below which rows that were
  * left out may take over */
@@ -316,7 +316,7 @@ static void find_geometry(Work *work, State *s)
 
 /* keeps the usual pivot ratio where a run begins: if rows that are kept are nearly dependent there,
  * it is that of all rows */
-static void note_usual_ratio(Work *work, State *s)
+static void note_first_pivot_ratio(Work *work, State *s)
 {
     place(s->time, s->y, work->w);
     memset(work->w + W_DQ, 0, NV * sizeof(double));

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 #: Stages of the longest method, and coefficients of the longest interpolating polynomial.
 STAGES = max(method.all for method in METHODS)
 DENSE = 3 + max(len(method.dense) for method in METHODS)
-#: Coefficients of a polynomial through the places of a step; memory.h has it, too.
-WAY = 12
 
 
 @dataclass(frozen=True)
@@ -340,7 +338,7 @@ class Workspace:
     q_moved: Array
     C: Array
     C_left_out: Array
-    pivots: Array
+    pivots: Array  # D⁻¹ of C_q M⁻¹ C_qᵀ
     dv: Array
     q_dot: Array
     v_dot: Array

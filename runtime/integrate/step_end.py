@@ -25,9 +25,9 @@ MOST_POLISHED = 3
 def crossing_in(tried: Attempts, trial: Trial, work: Work, state: State) -> float:
     """Time [s] at which a trial must end by what crosses; poles and distances want all stages."""
     m, s, search = tried.m, tried.s, tried.search
-    has_stages = tried.has_switches and is_kept(trial)
-    # one that leads beyond its end stays as it is
+    has_stages = tried.has_switching and is_kept(trial)
     reversal, reverses, n_breaks = math.inf, False, work.scene.n_breaks
+    # one that leads beyond its end stays as it is
     if work.scene.n_distances > 0 and not tried.is_beyond:
         from .cuts import cut_for_place  # other scenes do not have these
         from .distances import may_reverse, reversal_end
@@ -101,7 +101,7 @@ def met_in(until: float, tried: Attempts, trial: Trial) -> float:
     meets is noted as unresolved: of those that other stages meet the error tells.
     """
     search, is_cut = tried.search, trial.end == tried.search.cut  # at a cut rounding decides
-    if not tried.has_switches or not is_kept(trial) or tried.is_beyond or is_cut:
+    if not tried.has_switching or not is_kept(trial) or tried.is_beyond or is_cut:
         return trial.end
     first = 1 if tried.thrown < MOST_SHORTER else search.m.stages + 1
     beyond = stage_beyond(first, until, search)

@@ -171,10 +171,10 @@ def is_tried(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
     if trial.is_good:
         find_error(tried, trial, work, state)
     trial.is_whole = trial.is_good
-    is_wanted = tried.has_switches or tried.asked < trial.end
+    is_wanted = tried.has_switching or tried.asked < trial.end
     if trial.is_good and is_kept(trial) and is_wanted:
         # rows that are asked for make stages, too, and no step shorter
-        is_searched = tried.has_switches and not tried.is_fixed
+        is_searched = tried.has_switching and not tried.is_fixed
         trial.is_whole = make_dense_stages(tried.m, trial, work, state) and not (
             is_searched and is_thrown_off(tried.m, trial, work)
         )
@@ -216,9 +216,9 @@ def step(
     it is, unless a length is asked for. If the next time to be written lies inside of it, it has
     the stages that its polynomial wants.
     """
-    is_fixed, has_switches = s.fixed_step > 0.0, len(state.sides) > work.scene.n_poles
-    search = Search(state, work, state.time, has_error=has_switches and not is_fixed)
-    tried = Attempts(m, s, search, asked, end, end, is_fixed, has_switches)
+    is_fixed, has_switching = s.fixed_step > 0.0, len(state.sides) > work.scene.n_poles
+    search = Search(state, work, state.time, has_error=has_switching and not is_fixed)
+    tried = Attempts(m, s, search, asked, end, end, is_fixed, has_switching)
     work.k[0] = state.f
     while True:
         trial = next_trial(tried, state)

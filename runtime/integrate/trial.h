@@ -26,7 +26,7 @@ typedef struct {
     double h, end;                  /* its length, and the time of its end [s] */
     double drift, error;            /* correction of its end; error / tolerance */
     double error_if_blind;          /* error where estimates may be blind */
-    double moved;                   /* energy moved up to its end, if rows are checked [J] */
+    double moved;                   /* energy moved to its end, for works or checks [J] */
     double least_ratio, most_ratio; /* smallest, largest pivot ratio of its stages */
     double inner_ratio, inner;      /* branch ratio of a stage inside; its part of the step */
     double dip_ratio, dip;          /* smallest branch ratio inside; its part of the step */

@@ -120,8 +120,9 @@ class Trust:
         Estimate of the error of all rows, where it was asked for.
     limit : float
         Largest value of the relative errors above, 100 × tolerance × max(1, steps/1000), at most
-        0.5. Where rows that were left out as redundant took over, the tolerance is replaced by the
-        largest miss of such rows, if that is larger.
+        0.5. With a fixed step the tolerance counts as 1e-9. Where rows that were left out as
+        redundant took over, the tolerance is replaced by the largest miss of such rows, if that is
+        larger.
     problems : tuple of str
         Numbers beyond their limits, and what to do; empty where nothing speaks against the run.
     """

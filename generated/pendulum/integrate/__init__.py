@@ -17,4 +17,8 @@ In Python alone, what C has in other files or its callers do: the tables of a sc
 starts, ``initial_coordinates``, ``initial_poses``, ``initial_values``, ``assembled_start``,
 ``start_evaluation``, ``run_arguments``; results, ``motion``, ``result``, ``body_tables``,
 ``euler_parameters``, ``events``, ``nearly_dependent``; and ``alone``, for folders without kousoku.
+
+In C alone: integrate.h, which includes the others, memory.h, the workspace of a run, lacking.h,
+what a scene lacks, calls.h, what is called from outside, and methods.h, written from the tables
+here.
 """

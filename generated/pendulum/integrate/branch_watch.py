@@ -17,8 +17,9 @@ if TYPE_CHECKING:
     from .scene_tables import Work
     from .state import State
 
-#: Check a step for other branches if its smallest branch ratio, by this parabola or at a stage, is
-#: below this part of the larger ratio at its ends.
+#: Check a step for other branches if its smallest branch ratio, by a parabola through those
+#: at its ends and at a stage inside, or at a stage, is below this part of the larger ratio at its
+#: ends.
 FALLEN_RATIO_PART = 0.1
 #: Check a step for other branches, too, if a stage has a branch ratio below this part of the
 #: smaller ratio at its ends.

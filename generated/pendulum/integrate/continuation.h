@@ -9,8 +9,8 @@
 #define ALL_OF_IT 0.999999
 #define JUMP 0.5
 /* positions that are looked at to see whether joints come open, how far bodies move from one to the
- * next, relative to LENGTH or in radians, and how many shorter steps are tried; a direction that is
- * smaller than this is none */
+ * next, relative to LENGTH or in radians, and how often that is tried, each time half as far; a
+ * direction that is smaller than this is none */
 #define MOST_CLOSURE_CHECKS 24
 #define STEP_ASIDE 0.25
 #define MOST_HALVINGS 5

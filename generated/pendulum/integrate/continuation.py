@@ -28,8 +28,8 @@ SHORTEST_PARAMETER_STEP = 1e-9
 ALL_OF_IT = 0.999999
 JUMP = 0.5
 #: Positions that are looked at to see whether joints come open, how far bodies move from one to the
-#: next, in lengths of the scene or radians, and how many shorter steps are tried; a direction that
-#: is smaller than this is none.
+#: next, in lengths of the scene or radians, and how often that is tried, each time half as far; a
+#: direction that is smaller than this is none.
 MOST_CLOSURE_CHECKS = 24
 STEP_ASIDE = 0.25
 MOST_HALVINGS = 5

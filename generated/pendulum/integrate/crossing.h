@@ -7,10 +7,11 @@
 #define STRETCH_TO_END 1.0000001
 /* shortest step to a cut, and shortest first trial of a step, in smallest steps */
 #define ONWARD 8.0
-/* largest distance of an event that is located again from the cut, relative to the step */
+/* largest distance of an event that is located again from the cut, relative to the step. Also the
+ * part of the way by which a step ends before a place */
 #define SMALL 1e-3
-/* a function passes zero if it is at least this many times as large at the larger of these
- * distances; one that jumps there, or is infinite, is not */
+/* a function passes zero if it is at least this many times as large at FURTHER times the distance;
+ * one that jumps there, or is infinite, is not */
 #define LARGER_THERE 1.5
 /* a step ends where a function that was near to zero takes a side, if that is within this part of
  * the step */
@@ -21,15 +22,15 @@
 /* times of a second look back and of one ahead, in the same unit: such an event was in the window
  * then, and will be outside again */
 #define HALF 0.5
-/* a stage with weight at the end of a step is searched for a contact if its accelerations change
- * speeds by more than this part in the step: for less the error tells enough */
+/* a stage from which the end of a step is made is searched for a contact if its accelerations
+ * change speeds by more than this part in the step: for less the error tells enough */
 #define PUSHED 0.1
 
 /* time of a stage, from a first one on, beyond a switch that its polynomial does not meet. Such a
  * stage is in a contact that the step leads over: the force there makes the polynomial useless. If
- * there is none, it is the time up to which the step is seen. A stage with weight at the end of the
- * step, where the error tells of it, counts only if it changes speeds; and no such stage counts
- * beyond a jump, which throws back what passes it a little */
+ * there is none, it is the time up to which the step is seen. A stage from which the end of the
+ * step is made counts only if it changes speeds, as the error tells of most; and no such stage
+ * counts beyond a jump, which throws back what passes it a little */
 static double stage_beyond(
     size_t first, double seen, const Search *search, const State *s, Work *work)
 {

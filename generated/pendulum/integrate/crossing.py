@@ -44,10 +44,11 @@ if TYPE_CHECKING:
 STRETCH_TO_END = 1.0000001
 #: Shortest step to a cut, and shortest first trial of a step, in smallest steps.
 ONWARD = 8.0
-#: Largest distance of an event that is located again from the cut, relative to the step.
+#: Largest distance of an event that is located again from the cut, relative to the step. Also the
+#: part of the way by which a step ends before a place.
 SMALL = 1e-3
-#: A function passes zero if it is at least this many times as large at the larger of these
-#: distances; one that jumps there, or is infinite, is not.
+#: A function passes zero if it is at least this many times as large at FURTHER times the distance;
+#: one that jumps there, or is infinite, is not.
 LARGER_THERE = 1.5
 #: A step ends where a function that was near to zero takes a side, if that is within this part of
 #: the step.
@@ -58,8 +59,8 @@ EARLIER = 1.5
 #: Times of a second look back and of one ahead, in the same unit: such an event was in the window
 #: then, and will be outside again.
 HALF = 0.5
-#: A stage with weight at the end of a step is searched for a contact if its accelerations change
-#: speeds by more than this part in the step: for less the error tells enough.
+#: A stage from which the end of a step is made is searched for a contact if its accelerations
+#: change speeds by more than this part in the step: for less the error tells enough.
 PUSHED = 0.1
 
 
@@ -67,9 +68,9 @@ def stage_beyond(first: int, seen: float, search: Search) -> float:
     """Time [s] of a stage, from a first one on, beyond a switch that its polynomial does not meet.
 
     Such a stage is in a contact that the step leads over: the force there makes the polynomial
-    useless. If there is none, it is the time up to which the step is seen. A stage with weight at
-    the end of the step, where the error tells of it, counts only if it changes speeds; and no such
-    stage counts beyond a jump, which throws back what passes it a little.
+    useless. If there is none, it is the time up to which the step is seen. A stage from
+    which the end of the step is made counts only if it changes speeds, as the error tells of most;
+    and no such stage counts beyond a jump, which throws back what passes it a little.
     """
     m, state, work, scene = search.m, search.state, search.work, search.work.scene
     size_of, n_switching = work.w.size_of, len(state.sides) - scene.n_poles

@@ -13,7 +13,7 @@ static void combine(
 }
 
 /* the cubic polynomial that leads from the state before to y in a step of length h, and meets the
- * derivative f at both ends */
+ * derivatives f_before and f at its ends */
 static void hermite_cubic(
     double h, const double *y, const double *f_before, const double *f, State *s)
 {

@@ -277,7 +277,7 @@ def find_geometry(work: Work, state: State) -> None:
         state.fallback_time = work.w.t[0]
 
 
-def note_usual_ratio(all_rows: RowSwitch, work: Work, state: State) -> None:
+def note_first_pivot_ratio(all_rows: RowSwitch, work: Work, state: State) -> None:
     """Keep the usual pivot ratio where a run begins.
 
     If rows that are kept are nearly dependent there, it is that of all rows.

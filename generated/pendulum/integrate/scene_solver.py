@@ -15,7 +15,7 @@ from .motion_scales import energy_balance, note_extent
 from .pivot_monitor import branch_ratio, note_largest_pivot, pivot_ratio
 from .poles import first_without_value
 from .projection import note_lost_digits, project
-from .row_switch import note_usual_ratio
+from .row_switch import note_first_pivot_ratio
 from .rows import find_reactions, write_row
 from .run_arguments import LEAST_TOLERANCE
 from .scene_tables import Work, Workspace, state_of
@@ -104,7 +104,7 @@ class SceneSolver:
             s.limit = s.behind = time
         s.crossed[:] = -math.inf
         if work.row_switch is not None:
-            note_usual_ratio(work.row_switch, work, s)
+            note_first_pivot_ratio(work.row_switch, work, s)
         if self.scene.has_continuation and not continue_parameters(s, work):
             return Status.NOT_ASSEMBLED
         if project(time, 0.0, s.y, s.low, s.f, work, s) < 0.0:
@@ -147,8 +147,8 @@ class SceneSolver:
     ) -> tuple[Status, int]:
         """Move on to the last of the times, and write a row for each of them.
 
-        Returns early when rows are full or max_steps are made; a run that was stopped goes on from
-        where it is, with the same bits.
+        Returns early when rows are full, max_steps are made, or an event is told; a run that was
+        stopped goes on from where it is, with the same bits.
 
         Parameters
         ----------
@@ -166,7 +166,8 @@ class SceneSolver:
         Returns
         -------
         status : Status
-            ``GOOD``, ``BUFFER_FULL``, ``PAUSED``, or why the motion cannot go on.
+            ``GOOD``, ``BUFFER_FULL``, ``PAUSED``, ``EVENT``, ``STOPPED``, or why the motion cannot
+            go on.
         n_rows : int
             How many rows were written.
         """

@@ -195,7 +195,7 @@ class State:
     row_drift = StateNumber("-", "largest correction of a row between steps, relative to LENGTH")
     not_finite = StateNumber("-", "rows with numbers that are not finite, those passed left out")
     not_finite_time = StateNumber("s", "when the first of them was")
-    event = StateNumber("-", "1 + the event that was told last; 0: none yet")
+    event = StateNumber("-", "1-based index of the event told last, or without a value; 0: none")
     y = Numbers("NY", unit="", meaning="q, then v")
     low = Numbers("NY", unit="", meaning="what rounding of y has left over")
     f = Numbers("NY", unit="", meaning="time derivative of y")

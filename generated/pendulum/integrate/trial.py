@@ -114,7 +114,7 @@ class Attempts:
         For what crosses in the last one.
     asked, end, limit : float [s]
         Next time to be written; latest end of the step, now and before it was cut.
-    is_fixed, has_switches : bool
+    is_fixed, has_switching : bool
         Whether its length is asked for; whether formulas of the state switch, or tell events.
     best : float
         Largest pivot ratio of a trial with nearly dependent rows, each taken at its worst stage.
@@ -147,7 +147,7 @@ class Attempts:
     end: float
     limit: float
     is_fixed: bool
-    has_switches: bool
+    has_switching: bool
     best: float = -1.0
     best_h: float = 0.0
     avoided: int = 0
