@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 #: Stages of the longest method, and coefficients of the longest interpolating polynomial.
 STAGES = max(method.all for method in METHODS)
 DENSE = 3 + max(len(method.dense) for method in METHODS)
+#: Coefficients of a polynomial through the places of a step; memory.h has it, too.
+WAY = 12
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from .arithmetic import larger, smaller
 from .pivot_monitor import branch_ratio
 from .projection import correct_position, project_position, ratio_at
 from .row_switch import FALL_BACK, forget_trials
+from .scene_tables import WAY
 
 if TYPE_CHECKING:
     from .arithmetic import Array
@@ -25,8 +26,6 @@ if TYPE_CHECKING:
 
 #: Largest correction of places of a smooth way onto the rows, in lengths of the scene or radians.
 OFF_WAY = 1e-9
-#: Coefficients of a polynomial through the places of a step; memory.h has it, too.
-WAY = 12
 #: Largest gap between branches that is rounding: the correction times the distance from the place
 #: where branches meet at which it is found.
 NO_GAP = 1e-14
