@@ -420,7 +420,8 @@ def _hidden_terms(
 ) -> Iterator[Expression]:
     """Terms that vary fast beside others in arguments of functions, unless they may be infinite.
 
-    A function may be bounded where a term of its argument is infinite, and is watched itself.
+    A function may be bounded where a term of its argument is infinite or overflows, as in the pulse
+    1/(exp(u) + exp(-u)), and is watched itself.
     """
     for function in ordered(formula):
         if _is_transparent(function, varying) and function.op is not Op.POW:
@@ -429,8 +430,29 @@ def _hidden_terms(
             terms = [x for term in summands(arg) for x in _distributed(term, is_varying)]
             changing = [term for term in terms if not set(varying).isdisjoint(names_of(term))]
             if len(changing) > 1:
-                fast = filter(is_varying, changing)
+                fast = (term for term in changing if is_varying(term) and not _grows(term, varying))
                 yield from (term for term in fast if not any(poles_of(term, varying)))
+
+
+def _grows(formula: Expression, varying: Collection[str]) -> bool:
+    """Whether an exponential in a formula may overflow: no hill as exp(-u²), no wave."""
+    for part in ordered(formula):
+        exponent = part.args[-1] if part.op in {Op.EXP, Op.POW} else None
+        if exponent is None or set(varying).isdisjoint(names_of(exponent)):
+            continue
+        terms = [x for x in summands(exponent) if not set(varying).isdisjoint(names_of(x))]
+        is_well = any(_is_even(factor) for term in terms for factor in _factors(term))
+        if not (is_well or all(term.op in BOUNDED for term in terms)):
+            return True
+    return False
+
+
+def _is_even(part: Expression) -> bool:
+    """Whether a factor is an even power, or an absolute value."""
+    if part.op is Op.DIV:
+        return any(map(_is_even, _factors(part.args[0])))
+    power = part.args[1].value if part.op is Op.POW else None
+    return part.op is Op.ABS or (power is not None and power % 2 == 0)
 
 
 def _distributed(formula: Expression, is_varying: Callable[[Expression], bool]) -> list[Expression]:

@@ -56,6 +56,10 @@ def test_a_jump_is_looked_for_in_what_roots_and_powers_divide_by() -> None:
         ("sin(x + 3*exp(-(y^2)))", ["exp(-(y^2))"]),
         ("y*sqrt(1 + (x + sin(y))^2)", ["sin(y)"]),
         ("atan(x*(2 + exp(-(x^2))))", ["exp(-(x^2))*x"]),
+        ("sin(x + exp(-m*(y - 2)^2))", ["exp(-m*(y - 2)^2)"]),
+        ("sin(x + exp(-abs(y)/m))", ["exp(-abs(y)/m)"]),
+        ("1/(exp(x) + exp(-x) + exp(cos(y)))", ["exp(cos(y))"]),  # the others overflow
+        ("atan(x + 2^y)", []),
         ("exp(x + sin(y + cos(x)))", ["sin(y + cos(x))", "cos(x)"]),
         ("1/(2 + x^2 + max(1, cos(y)))", ["cos(y)"]),
         ("sin(exp(-(x^2)))", []),  # beside it nothing varies
