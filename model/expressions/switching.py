@@ -47,6 +47,8 @@ MOST_TERMS = 16
 JUMPING = frozenset({Op.SIGN, Op.TAN, Op.ATAN2})
 #: Functions that are bounded where their argument is infinite, too.
 BOUNDED = frozenset({Op.SIGN, Op.SIN, Op.COS, Op.ATAN, Op.ATAN2})
+#: Functions that may go smoothly through a place where their argument is infinite.
+COMPRESSING = frozenset({Op.ATAN, Op.ATAN2, Op.DIV, Op.EXP, Op.POW})
 #: Functions whose arguments may be watched in their place.
 TRANSPARENT = frozenset({*SWITCHES, Op.ADD, Op.NEG, Op.MUL})
 
@@ -418,20 +420,47 @@ def varying_parts(
 def _hidden_terms(
     formula: Expression, varying: Collection[str], is_varying: Callable[[Expression], bool]
 ) -> Iterator[Expression]:
-    """Terms that vary fast beside others in arguments of functions, unless they may be infinite.
+    """Terms that vary fast beside others in arguments of functions, and in factors of products.
 
-    A function may be bounded where a term of its argument is infinite or overflows, as in the pulse
-    1/(exp(u) + exp(-u)), and is watched itself.
+    Not where they may overflow, or be infinite while the function is not, as in the pulses
+    1/(exp(u) + exp(-u)) and atan(u + 1/u²): the function is watched itself.
     """
     for function in ordered(formula):
-        if _is_transparent(function, varying) and function.op is not Op.POW:
+        if function.op is Op.MUL:  # what is multiplied by a constant is an argument itself
+            factors = [x for x in _factors(function) if not set(varying).isdisjoint(names_of(x))]
+            arguments = factors if len(factors) > 1 else []
+        elif _is_transparent(function, varying) and function.op is not Op.POW:
             continue
-        for arg in function.args:
-            terms = [x for term in summands(arg) for x in _distributed(term, is_varying)]
+        else:
+            arguments = [*function.args]
+        for argument in arguments:
+            sums = _addends(argument, varying)
+            terms = [x for term in sums for x in _distributed(term, is_varying)]
             changing = [term for term in terms if not set(varying).isdisjoint(names_of(term))]
-            if len(changing) > 1:
-                fast = (term for term in changing if is_varying(term) and not _grows(term, varying))
-                yield from (term for term in fast if not any(poles_of(term, varying)))
+            for term in changing if len(changing) > 1 else ():
+                is_finite = function.op not in COMPRESSING or not any(poles_of(term, varying))
+                if is_varying(term) and is_finite and not _grows(term, varying):
+                    yield term
+
+
+def _addends(formula: Expression, varying: Collection[str]) -> Iterator[Expression]:
+    """Terms of a sum, also of one that is multiplied by a constant, or has a kink."""
+    if formula.op in {Op.ADD, Op.NEG, Op.ABS, Op.MIN, Op.MAX}:
+        for arg in formula.args:
+            yield from _addends(arg, varying)
+        return
+    if formula.op in {Op.MUL, Op.DIV}:
+        first, second = formula.args
+        is_first, is_second = (
+            not set(varying).isdisjoint(names_of(arg)) for arg in (first, second)
+        )
+        if is_first and not is_second:
+            yield from (apply(formula.op, term, second) for term in _addends(first, varying))
+            return
+        if is_second and not is_first and formula.op is Op.MUL:
+            yield from (mul(first, term) for term in _addends(second, varying))
+            return
+    yield formula
 
 
 def _grows(formula: Expression, varying: Collection[str]) -> bool:
@@ -442,7 +471,10 @@ def _grows(formula: Expression, varying: Collection[str]) -> bool:
             continue
         terms = [x for x in summands(exponent) if not set(varying).isdisjoint(names_of(x))]
         is_well = any(_is_even(factor) for term in terms for factor in _factors(term))
-        if not (is_well or all(term.op in BOUNDED for term in terms)):
+        waves = (
+            x for x in chain(*map(_factors, terms)) if not set(varying).isdisjoint(names_of(x))
+        )
+        if not (is_well or all(factor.op in BOUNDED for factor in waves)):
             return True
     return False
 
