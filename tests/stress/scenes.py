@@ -401,7 +401,8 @@ def generous() -> AbstractContextManager[object]:
 
 def rounded_up() -> AbstractContextManager[object]:
     """Let NumPy round up what a step gives, by a unit in the last place."""
-    right, wrong = b"state.y[:] = work.y", b"state.y[:] = np.nextafter(work.y, np.inf)"
+    right = b"state.y[:] = work.y"
+    wrong = b"state.y[:] = [math.nextafter(x, math.inf) for x in work.y]"
 
     def spoilt(source: bytes, *given: Any, **more: Any) -> Any:
         return compile(source.replace(right, wrong), *given, **more)
