@@ -270,7 +270,8 @@ def methods(tree: Tree, runs: dict[str, Any], outcome: Outcome, place: str) -> N
         if not verdict.is_trusted:
             outcome.count("verdicts 'not trusted'")
             # √|u| of what rests at 0: methods agree or not, by rounding of u
-            if verdict.impulse is not None and len(verdict.problems) == 1:
+            by_rounding = verdict.impulse is not None and verdict.impulse > verdict.limit
+            if by_rounding and len(verdict.problems) == 1:
                 outcome.count("verdicts 'not trusted', as rounding decides about a force")
             elif off <= limit:
                 outcome.count("false alarms")
