@@ -159,7 +159,7 @@ def has_fractional_power(formula: Expression, varying: Collection[str]) -> bool:
     So do arc sines and arc cosines at their ends, and functions of a logarithm may.
     """
     for part in ordered(formula):
-        if not part.args or set(varying).isdisjoint(names_of(part.args[0])):
+        if not part.args or not _changes(part.args[0], varying):
             continue
         exponent, even = root_exponent(part), even_root(part)
         exponent = exponent if even is None else even[1]
@@ -194,7 +194,7 @@ def poles_of(formula: Expression, varying: Collection[str]) -> Iterator[Expressi
             exponent = part.args[1].value
             singular = part.args[0] if exponent is None or exponent <= 0 else None
         for zero in _zero_crossings(singular) if singular is not None else ():
-            if may_be_zero(zero) and not set(varying).isdisjoint(names_of(zero)):
+            if may_be_zero(zero) and _changes(zero, varying):
                 yield zero
 
 
@@ -328,7 +328,7 @@ def may_jump(formula: Expression, varying: Collection[str]) -> bool:
     """
     jumps = filter(is_jump, ordered(formula))
     singular = (_singular_function(jump) or jump for jump in jumps)  # a sign may be zero itself
-    return any(may_be_zero(f) and not set(varying).isdisjoint(names_of(f)) for f in singular)
+    return any(may_be_zero(f) and _changes(f, varying) for f in singular)
 
 
 def is_jump(part: Expression) -> bool:
@@ -427,7 +427,7 @@ def _hidden_terms(
     """
     for function in ordered(formula):
         if function.op is Op.MUL:  # what is multiplied by a constant is an argument itself
-            factors = [x for x in _factors(function) if not set(varying).isdisjoint(names_of(x))]
+            factors = [x for x in _factors(function) if _changes(x, varying)]
             arguments = factors if len(factors) > 1 else []
         elif _is_transparent(function, varying) and function.op is not Op.POW:
             continue
@@ -436,7 +436,7 @@ def _hidden_terms(
         for argument in arguments:
             sums = _addends(argument, varying)
             terms = [x for term in sums for x in _distributed(term, is_varying)]
-            changing = [term for term in terms if not set(varying).isdisjoint(names_of(term))]
+            changing = [term for term in terms if _changes(term, varying)]
             for term in changing if len(changing) > 1 else ():
                 is_finite = function.op not in COMPRESSING or not any(poles_of(term, varying))
                 if is_varying(term) and is_finite and not _grows(term, varying):
@@ -451,9 +451,7 @@ def _addends(formula: Expression, varying: Collection[str]) -> Iterator[Expressi
         return
     if formula.op in {Op.MUL, Op.DIV}:
         first, second = formula.args
-        is_first, is_second = (
-            not set(varying).isdisjoint(names_of(arg)) for arg in (first, second)
-        )
+        is_first, is_second = (_changes(arg, varying) for arg in (first, second))
         if is_first and not is_second:
             yield from (apply(formula.op, term, second) for term in _addends(first, varying))
             return
@@ -467,13 +465,11 @@ def _grows(formula: Expression, varying: Collection[str]) -> bool:
     """Whether an exponential in a formula may overflow: no hill as exp(-u²), no wave."""
     for part in ordered(formula):
         exponent = part.args[-1] if part.op in {Op.EXP, Op.POW} else None
-        if exponent is None or set(varying).isdisjoint(names_of(exponent)):
+        if exponent is None or not _changes(exponent, varying):
             continue
-        terms = [x for x in summands(exponent) if not set(varying).isdisjoint(names_of(x))]
+        terms = [x for x in summands(exponent) if _changes(x, varying)]
         is_well = any(_is_even(factor) for term in terms for factor in _factors(term))
-        waves = (
-            x for x in chain(*map(_factors, terms)) if not set(varying).isdisjoint(names_of(x))
-        )
+        waves = (x for x in chain(*map(_factors, terms)) if _changes(x, varying))
         if not (is_well or all(factor.op in BOUNDED for factor in waves)):
             return True
     return False
@@ -505,6 +501,11 @@ def _distributed(formula: Expression, is_varying: Callable[[Expression], bool]) 
     return [reduce(mul, factors) for factors in product(*sums)]
 
 
+def _changes(formula: Expression, varying: Collection[str]) -> bool:
+    """Whether a formula depends on one of the names that vary."""
+    return not set(varying).isdisjoint(names_of(formula))
+
+
 def _degree_of(
     part: Expression, varying: Collection[str], degrees: Mapping[int, Fraction]
 ) -> Fraction:
@@ -514,7 +515,7 @@ def _degree_of(
         return sum(arg_degrees, Fraction(0))
     if part.op is Op.POW and part.args[1].value is not None:
         return arg_degrees[0] * max(part.args[1].value, Fraction(1))
-    return max(arg_degrees, default=Fraction(not set(varying).isdisjoint(names_of(part))))
+    return max(arg_degrees, default=Fraction(_changes(part, varying)))
 
 
 def _is_transparent(part: Expression, varying: Collection[str]) -> bool:
