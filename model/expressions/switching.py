@@ -20,13 +20,17 @@ from kousoku.model.expressions.polynomials import (
 from kousoku.model.numbers.real import SMALLEST_SUBNORMAL
 from kousoku.model.operations.expression import (
     ONE,
+    ZERO,
     Expression,
     add,
     apply,
     mul,
     names_of,
     neg,
+    number,
     ordered,
+    power,
+    replaced,
 )
 from kousoku.model.operations.graph import Op
 
@@ -376,7 +380,7 @@ def varying_parts(
     Where they vary much faster than elsewhere, a step of the usual length may skip it. Products and
     powers of them vary faster than they do: these are taken as a whole. A narrow part may also hide
     behind a wide one in the argument of a function, as in sin(x + exp(-u²)/100): what is smooth in
-    such a sum is taken, too, as if the function had slope one.
+    such a sum is taken, too.
     Names that are not among the varying ones do not change in a run. With each function comes the
     constant that it is multiplied by, so that their product is in the unit of the formula.
     """
@@ -434,17 +438,39 @@ def _hidden_terms(
         else:
             arguments = [*function.args]
         for argument in arguments:
-            sums = _addends(argument, varying)
-            terms = [x for term in sums for x in _distributed(term, is_varying)]
-            changing = [term for term in terms if _changes(term, varying)]
-            for term in changing if len(changing) > 1 else ():
+            addends = [
+                (term, addend)
+                for scaled, addend in _addends(argument, varying)
+                for term in _distributed(scaled, is_varying)
+                if _changes(term, varying)
+            ]
+            for term, addend in addends if len(addends) > 1 else ():
                 is_finite = function.op not in COMPRESSING or not any(poles_of(term, varying))
                 if is_varying(term) and is_finite and not _grows(term, varying):
-                    yield term
+                    yield mul(_slope_without(addend, function, argument), term)
 
 
-def _addends(formula: Expression, varying: Collection[str]) -> Iterator[Expression]:
-    """Terms of a sum, also of one that is multiplied by a constant, or has a kink."""
+def _slope_without(addend: Expression, function: Expression, argument: Expression) -> Expression:
+    """Slope of a power or an exponential where an addend of its argument is zero, or one.
+
+    Other functions are taken as if their slope was one.
+    """
+    others = replaced(argument, addend, ZERO, lambda op, args: apply(op, *args))
+    if function.op is Op.EXP:
+        return apply(Op.EXP, others)
+    exponent = function.args[1].value if function.op is Op.POW else None
+    if exponent is None or exponent.denominator > 1 or argument is not function.args[0]:
+        return ONE
+    return mul(number(exponent), power(others, number(exponent - 1)))
+
+
+def _addends(
+    formula: Expression, varying: Collection[str]
+) -> Iterator[tuple[Expression, Expression]]:
+    """Terms of a sum, also of one that is multiplied by a constant, or has a kink.
+
+    With each comes the part of the formula that it is without such constants.
+    """
     if formula.op in {Op.ADD, Op.NEG, Op.ABS, Op.MIN, Op.MAX}:
         for arg in formula.args:
             yield from _addends(arg, varying)
@@ -453,12 +479,14 @@ def _addends(formula: Expression, varying: Collection[str]) -> Iterator[Expressi
         first, second = formula.args
         is_first, is_second = (_changes(arg, varying) for arg in (first, second))
         if is_first and not is_second:
-            yield from (apply(formula.op, term, second) for term in _addends(first, varying))
+            for term, addend in _addends(first, varying):
+                yield apply(formula.op, term, second), addend
             return
         if is_second and not is_first and formula.op is Op.MUL:
-            yield from (mul(first, term) for term in _addends(second, varying))
+            for term, addend in _addends(second, varying):
+                yield mul(first, term), addend
             return
-    yield formula
+    yield formula, formula
 
 
 def _grows(formula: Expression, varying: Collection[str]) -> bool:

@@ -229,15 +229,17 @@ def test_a_shallow_hill_beside_a_wide_part_of_an_argument_is_not_passed_over(
          lambda q, x, hill: 0.02 * (1.0 + x + 0.1 * x**2 + 0.01 * x**3 + hill)
          * (1.0 + q * x + 0.01 * x**2 + 0.001 * x**3 + math.cos(x)),
          {"q": 0.1, "w": 0.027, "h": 0.0098}),
+        ("-3e-12*(q*x + HILL)^12", lambda q, x, hill: -3e-12 * (q * x + hill) ** 12,
+         {"q": 1.0, "w": 0.0043, "h": -0.0004}),
     ],
 )  # fmt: skip
 @pytest.mark.parametrize("method", ["dopri5", "kinematics"])
-def test_a_hill_behind_kinks_quotients_and_many_terms_is_not_passed_over(
+def test_a_hill_behind_kinks_quotients_powers_and_many_terms_is_not_passed_over(
     method: Any, law: str, force: Callable[..., float], at: dict[str, float]
 ) -> None:
     """Up to 38 of 60 places of the hill were missed by a method, by up to 300 times the limit."""
     point = past_a_hill(law, method, 5)
-    for c in (2.1, 3.3, 4.7, 5.9, 6.4830508, 7.2):
+    for c in (2.1, 3.3, 4.7, 5.9, 6.4830508, 7.2, 8.482456):
         there = at | {"c": c}
         run = point.simulate(2.0, samples=2, method=method, tolerance=1e-10, parameters=there)
         assert run.ledger.trust.is_trusted
