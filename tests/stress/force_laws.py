@@ -297,26 +297,6 @@ def rise(random_: random.Random) -> Drawn:
     return {"place": place, "width": width, "height": height}, wanted
 
 
-#: A tenth of a wide force that a narrow hill adds to it, inside of a factor.
-HIDDEN = "height*(2 + cos(x/10))*(1 + exp(-((x - place)/width)^2)/10)"
-
-
-def hidden(random_: random.Random) -> Drawn:
-    """Draw a narrow hill in a factor of a wide force."""
-    width, place = 10.0 ** random_.uniform(-4.0, -0.5), random_.uniform(5.0, 0.6 * END * SPEED)
-    height = random_.uniform(0.02, 0.2)
-    hill = math.sqrt(math.pi) * width
-    hill *= 0.1 * (2.0 + math.exp(-((width / 20.0) ** 2)) * math.cos(place / 10.0))
-
-    def wanted(result: ks.Result) -> dict[str, tuple[float, float, float]]:
-        cart = result.body("cart")
-        x = cart.position[-1, 0]
-        work = height * (2.0 * x + 10.0 * math.sin(x / 10.0) + hill)
-        return {"speed [m/s]": (cart.velocity[-1, 0], math.sqrt(SPEED * SPEED + 2.0 * work), SPEED)}
-
-    return {"place": place, "width": width, "height": height}, wanted
-
-
 def stop(random_: random.Random) -> Drawn:
     """Draw a wall that is a spring without end: it turns the cart in half a period."""
     stiffness = 10.0 ** random_.uniform(2.0, 10.0)
@@ -552,7 +532,6 @@ FORMS: dict[str, Form] = {
         may_be_fixed=True,
     ),
     "rise": Form("steep rises", moved("rise", "-height*atan((x - place)/width)"), rise),
-    "hidden": Form("hidden hills", moved("hidden", HIDDEN), hidden),
     "stop": Form("stops", moved("stop", "-height*max(0, x - place)"), stop, may_be_fixed=True),
     "brake": Form(
         "brakes",

@@ -19,7 +19,9 @@ import kousoku as ks
 from kousoku.model.errors import MotionError
 from kousoku.model.lowering.root_functions import root_functions_of
 from kousoku.model.operations.expression import names_of
-from tests.stress.force_laws import END, FORMS, SPEED, Form
+from tests.stress import hidden_hills
+from tests.stress.force_laws import END, SPEED, Form
+from tests.stress.force_laws import FORMS as PLAIN_FORMS
 from tests.stress.kit import Fault, Outcome, Question, Size
 
 if TYPE_CHECKING:
@@ -27,8 +29,10 @@ if TYPE_CHECKING:
 
     from kousoku.model.lowering.root_functions import RootFunctions
     from kousoku.model.mechanics.multibody import System
+    from kousoku.model.operations.expression import Expression
     from tests.stress.force_laws import Wanted
 
+FORMS = PLAIN_FORMS | hidden_hills.FORMS
 BATCH = 50
 """Random runs of a case: they share the compiled scene."""
 QUICK, OF_NUMPY = 8, 5
@@ -184,6 +188,11 @@ def blind(*names: str) -> Iterator[None]:
         yield
 
 
+def nothing_hidden(*_: object) -> Iterator[Expression]:
+    """No parts of arguments."""
+    return iter(())
+
+
 #: Stages that ask which functions a run looks at, and which of these depend on measures.
 SEEING = ("composition.switching", "emission.context_numbers", "checking.start")
 #: What goes along with functions, of each one.
@@ -235,6 +244,12 @@ QUESTION = Question(
             partial(blind, "lengths"),
             "length_wall c 1 0 50",
             "length_wall is missed",
+        ),
+        Fault(
+            "narrow hills that stand beside others in arguments of functions are not looked for",
+            partial(patch, "kousoku.model.expressions.switching._hidden_terms", nothing_hidden),
+            "hidden_of_place c 1 0 50",
+            "hidden_of_place is less exact",
         ),
     ),
     known={f"{name} stops, tolerance 1e-12": TIGHT for name in JUMPS}
