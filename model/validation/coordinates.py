@@ -79,7 +79,7 @@ def _check_name(scene: Scene, table: str, name: str) -> None:
             f"the name {name!r} is {taken[name]} in formulas; choose another name", key=key
         )
     base = name.removesuffix(SECOND)
-    if table == "coordinates" and (name == "time" or (base != name and base in scene.coordinates)):
+    if table == "coordinates" and base != name and base in scene.coordinates:
         raise SceneError(
             f"the name {name!r} is a column of the motion already; choose another name", key=key
         )

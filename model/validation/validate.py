@@ -137,7 +137,17 @@ def _check_names(scene: Scene, problems: Problems) -> None:
             elif name in table_of:
                 problem = f"the name {name!r} is also in {table_of[name]}; wanted a name of its own"
                 problems.add(problem, element_key)
+            elif _is_column(scene, table, name):
+                problem = f"the name {name!r} is a column of the motion already"
+                problems.add(f"{problem}; choose another name", element_key)
             table_of.setdefault(name, table)
+
+
+def _is_column(scene: Scene, table: str, name: str) -> bool:
+    """Whether the name of an element is that of a column, or begins names of the works' columns."""
+    if table in {"coordinates", "inputs"}:
+        return name == "time"
+    return name == "work" and table in {"bodies", "joints", "drivers"} and bool(scene.forces)
 
 
 def _check_settings(scene: Scene, problems: Problems) -> None:
