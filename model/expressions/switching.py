@@ -386,8 +386,10 @@ def varying_parts(
     """
     varies: dict[int, bool] = {}
     degrees: dict[int, Fraction] = {}
+    made: list[Expression] = []
 
     def is_varying(formula: Expression) -> bool:
+        made.append(formula)  # as long as it is there no other has its id
         for part in ordered(formula) if id(formula) not in varies else ():
             degree = degrees[id(part)] = _degree_of(part, varying, degrees)
             is_fast = bool(part.args) and (degree > HIGHEST or not _is_transparent(part, varying))
@@ -395,7 +397,7 @@ def varying_parts(
             varies[id(part)] = is_fast or any(varies[id(arg)] for arg in part.args)
         return varies[id(formula)]
 
-    stack, seen, made = [(formula, ONE)], set(), []
+    stack, seen = [(formula, ONE)], set()
     while stack:
         part, factor = stack.pop()
         if (id(part), factor) in seen or not is_varying(part):
@@ -403,7 +405,6 @@ def varying_parts(
         seen.add((id(part), factor))
         terms = _distributed(part, is_varying)
         if len(terms) > 1:
-            made += terms  # as long as they are there no others have their ids
             stack.extend((term, factor) for term in reversed(terms))
             continue
         fast = [arg for arg in part.args if varies[id(arg)]]
@@ -413,7 +414,6 @@ def varying_parts(
         if is_whole or not _is_transparent(part, varying):
             yield part, factor
             terms = list(_hidden_terms(part, varying, is_varying))
-            made += terms
             stack.extend((term, factor) for term in reversed(terms))
             continue
         if part.op in {Op.MUL, Op.DIV}:
@@ -426,8 +426,9 @@ def _hidden_terms(
 ) -> Iterator[Expression]:
     """Terms that vary fast beside others in arguments of functions, and in factors of products.
 
-    Not where they may overflow, or be infinite while the function is not, as in the pulses
-    1/(exp(u) + exp(-u)) and atan(u + 1/u²): the function is watched itself.
+    Beside a constant, too: 1 + exp(-u²)/10 is large beside what its hill adds. Not where they may
+    overflow, or be infinite while the function is not, as in the pulses 1/(exp(u) + exp(-u)) and
+    atan(u + 1/u²): the function is watched itself.
     """
     for function in ordered(formula):
         if function.op is Op.MUL:  # what is multiplied by a constant is an argument itself
@@ -442,12 +443,22 @@ def _hidden_terms(
                 (term, addend)
                 for scaled, addend in _addends(argument, varying)
                 for term in _distributed(scaled, is_varying)
-                if _changes(term, varying)
             ]
-            for term, addend in addends if len(addends) > 1 else ():
+            is_beside = len(addends) > 1 or _is_offset(function, argument, varying)
+            for term, addend in addends if is_beside else ():
                 is_finite = function.op not in COMPRESSING or not any(poles_of(term, varying))
                 if is_varying(term) and is_finite and not _grows(term, varying):
                     yield mul(_slope_without(addend, function, argument), term)
+
+
+def _is_offset(function: Expression, argument: Expression, varying: Collection[str]) -> bool:
+    """Whether a function is not zero where an argument is, so that a hill in it adds to a size."""
+    if function.op is Op.EXP:  # where exp(-u²) is not zero it shows itself how it varies
+        return not any(map(_is_even, _factors(argument)))
+    if function.op is Op.ATAN2:
+        return sum(_changes(arg, varying) for arg in function.args) == 1
+    is_divisor = function.op is Op.DIV and argument is not function.args[0]
+    return is_divisor or function.op in {Op.COS, Op.ACOS}
 
 
 def _slope_without(addend: Expression, function: Expression, argument: Expression) -> Expression:
@@ -495,12 +506,34 @@ def _grows(formula: Expression, varying: Collection[str]) -> bool:
         exponent = part.args[-1] if part.op in {Op.EXP, Op.POW} else None
         if exponent is None or not _changes(exponent, varying):
             continue
-        terms = [x for x in summands(exponent) if _changes(x, varying)]
-        is_well = any(_is_even(factor) for term in terms for factor in _factors(term))
+        terms = [x for x in _signed_summands(exponent) if _changes(x, varying)]
+        is_well = any(_sign(x) <= 0 and any(map(_is_even, _factors(x))) for x in terms)
         waves = (x for x in chain(*map(_factors, terms)) if _changes(x, varying))
         if not (is_well or all(factor.op in BOUNDED for factor in waves)):
             return True
     return False
+
+
+def _signed_summands(formula: Expression) -> Iterator[Expression]:
+    """Summands of a formula with their signs."""
+    if formula.op is Op.ADD:
+        yield from chain.from_iterable(map(_signed_summands, formula.args))
+    elif formula.op is Op.NEG:
+        yield from map(neg, _signed_summands(formula.args[0]))
+    else:
+        yield formula
+
+
+def _sign(formula: Expression) -> int:
+    """Sign of a product, 0 where it is not known."""
+    match formula:
+        case Expression(Op.MUL | Op.DIV, (a, b)):
+            return _sign(a) * _sign(b)
+        case Expression(Op.NEG, (a,)):
+            return -_sign(a)
+        case Expression(value=Fraction() as value):
+            return (value > 0) - (value < 0)
+    return int(formula.op is Op.EXP or _is_even(formula))
 
 
 def _is_even(part: Expression) -> bool:

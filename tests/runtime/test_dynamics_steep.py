@@ -6,6 +6,7 @@ import math
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pytest
 
 import kousoku as ks
@@ -245,6 +246,23 @@ def test_a_hill_behind_kinks_quotients_powers_and_many_terms_is_not_passed_over(
         assert run.ledger.trust.is_trusted
         expected = work_past_a_hill(force, there, float(run["x"][-1]))
         assert run["work.f"][-1] == pytest.approx(expected, abs=2e-9 * (12.5 + abs(expected)))
+
+
+@pytest.mark.parametrize("function", ["1/(1 + Z)", "exp(Z)", "sqrt(1 + Z)"])
+@pytest.mark.parametrize("method", ["dopri5", "kinematics"])
+def test_a_hill_that_is_low_beside_a_constant_is_not_passed_over(
+    method: Any, function: str
+) -> None:
+    """Less than half of a part counted as steady where bounds are loose: 14,000 times the limit."""
+    at = {"q": 1.0, "h": 0.3, "c": 2.6, "w": 0.006}
+    hill = "h*exp(-((x - 0.02*x^3 - c)/w)^2)"
+    point = past_a_hill(f"q*{function}".replace("Z", hill), method, 5)
+    run = point.simulate(2.0, samples=2, method=method, parameters=at)
+    assert run.ledger.trust.is_trusted
+    x = np.linspace(0.0, float(run["x"][-1]), 400_001)
+    z = 0.3 * np.exp(-(((x - 0.02 * x**3 - 2.6) / 0.006) ** 2))
+    forces = {"1/(1 + Z)": 1.0 / (1.0 + z), "exp(Z)": np.exp(z), "sqrt(1 + Z)": np.sqrt(1.0 + z)}
+    assert run["work.f"][-1] == pytest.approx(np.trapezoid(forces[function], x), abs=5e-7)
 
 
 def test_a_shallow_hill_of_time_beside_a_wide_part_of_an_argument_is_not_passed_over() -> None:

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     Function = Callable[[Array], Array]
 
 HILL = "size*exp(-((u - place)/width)^2)"
+CURVED = "size/(8*width)*exp(-((u - u^3/400 - place + place^3/400)/width)^2)"
+"""Hill of a function of u, whose bounds are loose, beside which it is low."""
 ENERGY = 0.5 * SPEED * SPEED
 """Of the cart at its start [J]."""
 MOST_WORK = 0.4 * ENERGY
@@ -50,11 +52,19 @@ class Law(NamedTuple):
         Of u and of the value of the hill there.
     kink : float
         Where it has one, but for the hill.
+    is_curved : bool
+        Whether its hill is one of a function of u.
     """
 
     formula: str
     value: Callable[[Array, Array], Array]
     kink: float = 0.0
+    is_curved: bool = False
+
+    @property
+    def text(self) -> str:
+        """Formula of u alone."""
+        return re.sub(r"\bh\b", CURVED if self.is_curved else HILL, self.formula)
 
 
 LAWS = {
@@ -78,6 +88,10 @@ LAWS = {
     "angle": Law("atan2(u + 1 + h, 3)", lambda u, h: np.arctan2(u + 1 + h, 3)),
     "bell": Law("exp(-(u/3 - 1 + h)^2)", lambda u, h: np.exp(-((u / 3 - 1 + h) ** 2))),
     "product": Law("u*sin(u/3 + h)/9", lambda u, h: u * np.sin(u / 3 + h) / 9),
+    "divisor": Law("1/(1 + h)", lambda _, h: 1 / (1 + h), is_curved=True),
+    "exponent": Law("exp(h)", lambda _, h: np.exp(h), is_curved=True),
+    "radicand": Law("sqrt(1 + h)", lambda _, h: np.sqrt(1 + h), is_curved=True),
+    "cosine": Law("cos(h)", lambda _, h: np.cos(h), is_curved=True),
     "high_power": Law("1e-12*(u + h)^12", lambda u, h: 1e-12 * (u + h) ** 12),
 }
 NODES, WEIGHTS = leggauss(20)
@@ -109,7 +123,10 @@ class Force:
     def __call__(self, u: Array) -> Array:
         """Value of the force."""
         place, width, size = (self.parameters[name] for name in ("place", "width", "size"))
-        return self.height * self.law.value(u, size * np.exp(-(((u - place) / width) ** 2)))
+        away = u - place
+        if self.law.is_curved:
+            away, size = away - (u**3 - place**3) / 400.0, size / (8.0 * width)
+        return self.height * self.law.value(u, size * np.exp(-((away / width) ** 2)))
 
     def impulse(self, end: float) -> float:
         """Integral from 0 to an end, of intervals that grow from the hill and the kink on."""
@@ -180,8 +197,7 @@ def scene(name: str, u: str) -> str:
     written = ", ".join(f"{parameter} = {value}" for parameter, value in parameters.items())
     forces = ""
     for key, law in LAWS.items():
-        force = f"{key}_height*({law.formula})"
-        force = re.sub(r"\bu\b", u, re.sub(r"\bh\b", HILL, force))
+        force = re.sub(r"\bu\b", u, f"{key}_height*({law.text})")
         forces += f'{key} = {{ type = "along", coordinate = "x", force = "{force}" }}\n'
     text = CART.format(name=name, law="0")
     text = re.sub(r"parameters = .*", f"parameters = {{ {written} }}", text)
