@@ -111,7 +111,8 @@ class Asked:
             if not is_fixed:
                 tolerance = self.way.get("tolerance", 1e-9)
                 is_tight = self.gained > GAINED * tolerance * SPEED
-                what = "stops" if is_tight else "stops at a jump that is known"
+                is_told = any(reason in str(error) for reason in REASONS)
+                what = "stops" if is_tight and is_told else "stops at what is known"
                 self.tell(outcome, f"{what}, tolerance {tolerance:g}", str(error))
             return
         worst, where, is_missed = 0.0, "", False
@@ -143,10 +144,11 @@ class Asked:
 
     @property
     def gained(self) -> float:
-        """Speed [m/s] that a jump gives within the rounding of time; infinite where none is."""
-        if self.name not in JUMPS:
-            return math.inf
-        return self.parameters["height"] * JUMPS[self.name] * math.ulp(END)
+        """Speed [m/s] that rounding of time makes at a jump, and that of place in a hill."""
+        height = self.parameters.get("height", 0.0)
+        if self.name.removesuffix("_wall") in HILLS:
+            return height * math.ulp(self.parameters["place"]) / SPEED
+        return height * JUMPS.get(self.name, 0.0) * math.ulp(END)
 
     @property
     def how(self) -> str:
@@ -202,6 +204,8 @@ TIGHT = (
     "when a force jumps is known no better than to the rounding of time, 2e-15 s; what the speed"
     " gains meanwhile is ten times what this tolerance allows and more, and the run says so"
 )
+#: Why a run may stop there.
+REASONS = ("no step can be taken", "steps are made and")
 #: A run may stop there if that is so many tolerances: of 218 that did it was 15 and more.
 GAINED = 10.0
 #: Forms that jump in time, or nearly, by how much for each of their height.
