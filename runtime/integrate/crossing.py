@@ -104,6 +104,23 @@ def note_sides(a: TimeNode, search: Search) -> None:
     sides[events:n] = np.where(now == -sides[events:n], now, sides[events:n])
 
 
+def note_short(a: TimeNode, end: float, search: Search) -> None:
+    """Note which events a step starts short of, and which are zero all along.
+
+    These are no further from zero than the noise at its start, middle and end, as energies that are
+    kept: rounding tells their side, they do not cross.
+    """
+    sides, start = search.state.sides, search.start
+    n, is_event = len(sides), np.arange(len(sides)) < len(search.work.scene.events)
+    search.is_at_zero = is_event.copy()
+    for time in (start, 0.5 * (start + end), end):
+        if search.is_at_zero.any():
+            known = side_at(node_with_noise(search.noise, time, search))[:n]
+            search.is_at_zero &= known == 0.0
+    is_beyond = is_event & (sides != 0.0) & (side_at(a)[:n] == -sides)
+    search.is_short = is_beyond | search.is_at_zero
+
+
 def are_crossed(sides: Array, b: TimeNode, search: Search) -> Flags:
     """Whether functions that were on sides (functions,) are beyond zero at a node."""
     crosses: Flags = (sides != 0.0) & (side_at(b)[: len(sides)] == -sides)
@@ -126,8 +143,7 @@ def crossing_end(end: float, search: Search) -> float:
     if search.undefined:
         return end
     note_sides(a, search)
-    search.is_short = (np.arange(n) < len(search.work.scene.events)) & (sides != 0.0)
-    search.is_short &= side_at(a)[:n] == -sides
+    note_short(a, end, search)
     for _ in range(MOST_NODES):
         if not a.time < end:
             break

@@ -118,7 +118,10 @@ class Search:
     crosses, was_crossing : array of bool
         Whether each function crosses in the step, and crossed where the step was cut.
     is_short : array of bool
-        Whether each event has been noted by an earlier step that ended a little before its zero.
+        Whether each event has been noted by an earlier step that ended a little before its zero,
+        or is zero all along.
+    is_at_zero : array of bool
+        Whether each event is zero all along the step, as far as it is known.
     is_unresolved : bool
         Whether samples do not resolve how parts vary with the state somewhere in the step.
     is_coarse : bool
@@ -162,6 +165,7 @@ class Search:
     crosses: Flags = field(init=False)
     was_crossing: Flags = field(init=False)
     is_short: Flags = field(init=False)
+    is_at_zero: Flags = field(init=False)
     is_unresolved: bool = False
     is_coarse: bool = False
     has_error: bool = False

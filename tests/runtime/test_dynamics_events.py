@@ -290,6 +290,19 @@ def test_events_that_are_flat_at_zero_are_counted_once(
             assert counts == (7, 13), (method, tolerance)  # x = 7 sin(t), 5 is passed 7 times
 
 
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+def test_an_event_that_is_zero_all_along_is_none(
+    solver_of: Callable[..., Any], target: Any
+) -> None:
+    """Each step ended where rounding changed its side: a run did not end."""
+    kept = '[events]\nkept = { when = "x_dot^2 + x^2 - 1" }\n'
+    solver = solver_of(SWING[: SWING.index("[events]")].replace("parameters", "# ") + kept, target)
+    for tolerance in (1e-6, 1e-9, 1e-12):
+        run = solver.simulate(20.0, samples=2, tolerance=tolerance, most_steps=500)
+        assert run.events["kept"].count == 0
+
+
 def test_a_run_that_an_event_ends_says_so(solver_of: Callable[..., Any]) -> None:
     run = solver_of(SWING).simulate(30.0, samples=31)
     assert run.stopped_by == "late"

@@ -82,6 +82,30 @@ static void note_sides(const TimeNode *a, const Search *search, State *s, Work *
     }
 }
 
+/* notes which events a step starts short of, and which are no further from zero than the noise at
+ * its start, middle and end, as energies that are kept: rounding tells their side, they do not
+ * cross */
+static void note_short(const TimeNode *a, double end, Search *search, const State *s, Work *work)
+{
+    const double times[3] = { search->start, 0.5 * (search->start + end), end };
+    int any = EVENTS > 0;
+    for (size_t k = 0; k != N_CROSSINGS; ++k) search->is_at_zero[k] = (int)k < EVENTS;
+    for (int n = 0; n != 3 && any; ++n) {
+        TimeNode node;
+        node_with_noise(search->noise, times[n], search, s, work, &node);
+        any = 0;
+        for (size_t k = 0; k != EVENTS; ++k) {
+            search->is_at_zero[k] = search->is_at_zero[k] && side_at(&node, k) == 0;
+            any = any || search->is_at_zero[k];
+        }
+    }
+    for (size_t k = 0; k != N_CROSSINGS; ++k) {
+        const int side = (int)s->sides[k];
+        const int is_beyond = (int)k < EVENTS && side != 0 && side_at(a, k) == -side;
+        search->is_short[k] = is_beyond || search->is_at_zero[k];
+    }
+}
+
 /* whether a function that was on a side is beyond zero at a node */
 static int are_crossed(
     size_t k, int side, const TimeNode *b, const Search *search, const State *s, Work *work)
@@ -105,10 +129,7 @@ static double crossing_end(double end, Search *search, State *s, Work *work)
     domain_end(&a, &a, search, s, work);
     if (search->undefined) return end;
     note_sides(&a, search, s, work);
-    for (size_t k = 0; k != N_CROSSINGS; ++k) {
-        const int side = (int)s->sides[k];
-        search->is_short[k] = (int)k < EVENTS && side != 0 && side_at(&a, k) == -side;
-    }
+    note_short(&a, end, search, s, work);
     for (size_t n = 0; n != MOST_NODES && a.time < end; ++n) {
         int is_known = 1, any = 0, is_lost = 0, may_be_infinite = 0;
         node_at(a.time + STRETCH_TO_END * width < end ? a.time + width : end, search, s, work, &b);

@@ -38,6 +38,7 @@ static int is_isolated(size_t k, int side, const TimeNode *a, const TimeNode *b,
     const double within = larger(near_a, near_b);
     const int is_beyond = side != 0 && side_at(b, k) == -side;
     if (is_beyond && !is_still_short(k, side, b->time, search, s, work)) return rises <= 0.0;
+    if (search->is_at_zero[k]) return 1;
     if (least > -within || falls >= 0.0 || rises <= 0.0) return 1;
     if (side == 0) return bounds[1] < within;
     return stays_positive(first + within, last + within, falls, rises, b->time - a->time);

@@ -74,7 +74,7 @@ def is_isolated(sides: Array, a: TimeNode, b: TimeNode, bounds: Array, search: S
     stays = is_clear | np.where(sides == 0.0, high < within, is_positive)
     crosses = (sides != 0.0) & (side_at(b)[:n] == -sides)
     crosses &= ~is_still_short(sides, b.time, search)
-    are_isolated: Flags = np.where(crosses, rises <= 0.0, stays)
+    are_isolated: Flags = np.where(crosses, rises <= 0.0, stays | search.is_at_zero)
     return are_isolated
 
 

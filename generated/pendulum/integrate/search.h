@@ -78,8 +78,11 @@ typedef struct {
     double rate_noise[ROOM(N_MEASURES)];
     /* whether each function crosses in the step, and crossed where the step was cut */
     int crosses[ROOM(N_FUNCTIONS)], was_crossing[ROOM(N_FUNCTIONS)];
-    /* whether each event has been noted by an earlier step that ended a little before its zero */
+    /* whether each event has been noted by an earlier step that ended a little before its zero, or
+     * is zero all along */
     int is_short[ROOM(N_FUNCTIONS)];
+    /* whether each event is zero all along the step, as far as it is known */
+    int is_at_zero[ROOM(N_FUNCTIONS)];
     /* whether samples do not resolve how parts vary with the state somewhere in the step */
     int is_unresolved;
     /* whether samples are few for how such a part varies in the step */
