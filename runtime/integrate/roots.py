@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 #: A function is near to zero at a node where it is less than this many times its noise; the noise
 #: at other nodes tells nothing of how near it comes to zero between them.
-BANDS = 16.0
+BANDS = 2.0
 
 
 def stays_positive(a: Array, b: Array, falls: Array, rises: Array, h: float) -> Flags:

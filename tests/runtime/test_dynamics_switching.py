@@ -223,6 +223,19 @@ type = "along"
 coordinate = "x"
 force = "10 - 20*max(0, 1 - abs(x_dot - 5)/w)"
 """
+#: A bead that moves on evenly is pushed across for a moment.
+CROSSED = """
+name = "crossed"
+unit = "m"
+parameters = { w = 1.0, force = 1.0 }
+[bodies]
+bead = { point = true, position = [0, 0, 0], velocity = [5, 3, 2], mass = 1 }
+[coordinates]
+x = { body = "bead", along = [1, 0, 0] }
+z = { body = "bead", along = [0, 0, 1] }
+[forces]
+push = { type = "along", coordinate = "z", force = "LAW" }
+"""
 #: Forces on a cart of 1 kg that starts with 1 m/s, and its speed after 10 s.
 SUDDEN = {
     "100*(1 - ((t - 5.123)/10)^2)^1000000": 1.0 + 1e3 * math.sqrt(math.pi / 1e6),
@@ -267,6 +280,21 @@ def test_no_motion_passes_a_window_of_its_speed_that_is_a_millionth_of_it(
             assert "steps are made" in str(error)
             continue
         assert abs(run.velocity["cart"][-1, 0] - (5.0 - w / 2)) < w
+
+
+@pytest.mark.parametrize("method", ["dopri5", "dop853"])
+@pytest.mark.parametrize(("of", "place", "rate"), [("x_dot + x", 7.01, 5.0), ("x*x_dot", 12.5, 25)])
+def test_no_narrow_force_of_a_place_and_a_rate_is_passed_over(
+    solver_of: Callable[..., Any], method: str, of: str, place: float, rate: float
+) -> None:
+    """The rate is known to a tolerance of it: a force twice as wide as that was not looked for."""
+    text = CROSSED.replace("LAW", f"force*max(0, 1 - (({of} - {place})/w)^2)")
+    solver = solver_of(text)
+    for tolerance in (1e-4, 1e-6):
+        w = 100.0 * tolerance
+        given = {"w": w, "force": 3.0 * rate / w}  # the impulse is 4 w force/(3 rate), x being 5 t
+        run = solver.simulate(2.0, samples=2, method=method, tolerance=tolerance, parameters=given)
+        assert run.velocity["bead"][-1, 2] == pytest.approx(6.0, rel=100.0 * tolerance)
 
 
 @pytest.mark.parametrize(

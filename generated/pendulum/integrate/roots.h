@@ -3,7 +3,7 @@
 
 /* a function is near to zero at a node where it is less than this many times its noise; the noise
  * at other nodes tells nothing of how near it comes to zero between them */
-#define BANDS 16.0
+#define BANDS 2.0
 
 /* whether what is a at the start of h and b at its end is positive between: no less than lines from
  * both ends as steep as it falls and rises at most */
