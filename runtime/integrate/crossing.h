@@ -84,12 +84,15 @@ static void note_sides(const TimeNode *a, const Search *search, State *s, Work *
 
 /* notes which events a step starts short of, and which are no further from zero than the noise at
  * its start, middle and end, as energies that are kept: rounding tells their side, they do not
- * cross */
+ * cross. Of a driven motion the polynomial is less exact than what is solved at both ends */
 static void note_short(const TimeNode *a, double end, Search *search, const State *s, Work *work)
 {
-    const double times[3] = { search->start, 0.5 * (search->start + end), end };
-    int any = EVENTS > 0;
-    for (size_t k = 0; k != N_CROSSINGS; ++k) search->is_at_zero[k] = (int)k < EVENTS;
+    const double middle_time = IS_DRIVEN ? end : 0.5 * (search->start + end);
+    const double times[3] = { search->start, middle_time, end };
+    int any = EVENTS > 0 && end != search->cut; /* of a cut it is known */
+    for (size_t k = 0; k != N_CROSSINGS; ++k) {
+        if (end != search->cut) search->is_at_zero[k] = (int)k < EVENTS;
+    }
     for (int n = 0; n != 3 && any; ++n) {
         TimeNode node;
         node_with_noise(search->noise, times[n], search, s, work, &node);
@@ -110,7 +113,7 @@ static void note_short(const TimeNode *a, double end, Search *search, const Stat
 static int are_crossed(
     size_t k, int side, const TimeNode *b, const Search *search, const State *s, Work *work)
 {
-    if (side == 0 || side_at(b, k) != -side) return 0;
+    if (side == 0 || side_at(b, k) != -side || search->is_at_zero[k]) return 0;
     return !is_still_short(k, side, b->time, search, s, work);
 }
 

@@ -108,13 +108,15 @@ def note_short(a: TimeNode, end: float, search: Search) -> None:
     """Note which events a step starts short of, and which are zero all along.
 
     These are no further from zero than the noise at its start, middle and end, as energies that are
-    kept: rounding tells their side, they do not cross.
+    kept: rounding tells their side, they do not cross. Of a driven motion the polynomial is less
+    exact than what is solved at both ends.
     """
-    sides, start = search.state.sides, search.start
+    sides, start, is_driven = search.state.sides, search.start, search.work.scene.is_driven
     n, is_event = len(sides), np.arange(len(sides)) < len(search.work.scene.events)
-    search.is_at_zero = is_event.copy()
-    for time in (start, 0.5 * (start + end), end):
-        if search.is_at_zero.any():
+    if end != search.cut:  # of a cut it is known
+        search.is_at_zero = is_event.copy()
+    for time in (start, end if is_driven else 0.5 * (start + end), end):
+        if end != search.cut and search.is_at_zero.any():
             known = side_at(node_with_noise(search.noise, time, search))[:n]
             search.is_at_zero &= known == 0.0
     is_beyond = is_event & (sides != 0.0) & (side_at(a)[:n] == -sides)
@@ -124,7 +126,7 @@ def note_short(a: TimeNode, end: float, search: Search) -> None:
 def are_crossed(sides: Array, b: TimeNode, search: Search) -> Flags:
     """Whether functions that were on sides (functions,) are beyond zero at a node."""
     crosses: Flags = (sides != 0.0) & (side_at(b)[: len(sides)] == -sides)
-    return crosses & ~is_still_short(sides, b.time, search)
+    return crosses & ~search.is_at_zero & ~is_still_short(sides, b.time, search)
 
 
 def crossing_end(end: float, search: Search) -> float:

@@ -303,6 +303,22 @@ def test_an_event_that_is_zero_all_along_is_none(
         assert run.events["kept"].count == 0
 
 
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+@pytest.mark.parametrize("law", ["t", "2*sin(t)"])
+def test_an_event_that_drivers_keep_at_zero_is_none(
+    solver_of: Callable[..., Any], target: Any, law: str
+) -> None:
+    """The polynomial of a step is less exact than its ends: 771 events, and a run that stopped."""
+    text = SWING[: SWING.index("[forces]")].replace("parameters", "# ")
+    text += f'[drivers]\nd = {{ coordinate = "x", value = "{law}" }}\n'
+    text += f'[events]\nkept = {{ when = "x - {law}" }}\nonce = {{ when = "x - 0.9" }}\n'
+    for samples in (2, 31):
+        run = solver_of(text, target).simulate(3.0, samples=samples, most_steps=200)
+        assert run.events["kept"].count == 0
+        assert run.events["once"].count == (1 if law == "t" else 2)
+
+
 def test_a_run_that_an_event_ends_says_so(solver_of: Callable[..., Any]) -> None:
     run = solver_of(SWING).simulate(30.0, samples=31)
     assert run.stopped_by == "late"
