@@ -21,7 +21,7 @@ from tests.stress import changes
 from tests.stress.changes import DoesNotApply, Scaled
 from tests.stress.comparing import size_of
 from tests.stress.kit import Fault, Outcome, Question, Size
-from tests.stress.scenes import END, SAMPLES, quick_to_compile, reason_of
+from tests.stress.scenes import END, SAMPLES, is_by_rounding, quick_to_compile, reason_of
 from tests.stress.smaller import smallest
 
 if TYPE_CHECKING:
@@ -135,7 +135,7 @@ def ask(tree: Tree, outcome: Outcome, place: str, chosen: dict[str, Change]) -> 
     except KousokuError as error:
         outcome.count(f"refused: {reason_of(error)}")
         return
-    if motion.ledger.trust.impulse is not None:
+    if is_by_rounding(tree, motion.ledger.trust):
         outcome.count("told that rounding decides: a force is too steep for doubles")
         return
     for name, change in chosen.items():

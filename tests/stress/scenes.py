@@ -29,7 +29,7 @@ from kousoku.model.errors import KousokuError, MotionError, SceneError
 from kousoku.model.reading.write import toml_of
 from kousoku.runtime import run_ledger
 from kousoku.runtime.integrate import trust
-from kousoku.runtime.integrate.settings import KINEMATICS
+from kousoku.runtime.integrate.settings import KINEMATICS, Doubt
 from tests.random_draft import UNITS
 from tests.random_scenes import numbered_scenes, random_scene
 from tests.stress.comparing import Comparison, nodes, size_of
@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from contextlib import AbstractContextManager
 
     from kousoku.mechanism import Mechanism
+    from kousoku.runtime.integrate.trust import Trust
 
     Tree = dict[str, Any]
 
@@ -269,13 +270,21 @@ def methods(tree: Tree, runs: dict[str, Any], outcome: Outcome, place: str) -> N
             outcome.find(f"{name} and {other} are apart, and trusted", f"{off:.3g}; {place}")
         if not verdict.is_trusted:
             outcome.count("verdicts 'not trusted'")
-            # √|u| of what rests at 0: methods agree or not, by rounding of u
-            by_rounding = verdict.impulse is not None and verdict.impulse > verdict.limit
-            if by_rounding and len(verdict.problems) == 1:
+            if is_by_rounding(tree, verdict):
                 outcome.count("verdicts 'not trusted', as rounding decides about a force")
             elif off <= limit:
                 outcome.count("false alarms")
                 outcome.find(f"{name}: a false alarm", f"{verdict}; {place}")
+
+
+def is_by_rounding(tree: Tree, verdict: Trust) -> bool:
+    """Whether all that speaks against a run is that rounding decides about a root.
+
+    That is √|u| of a u that rests at 0: methods agree or not, by rounding of u.
+    """
+    impulse, problems = verdict.impulse, verdict.problems
+    is_told = impulse is not None and impulse > verdict.limit and len(problems) == 1
+    return is_told and "sqrt(" in str(tree.get("forces"))
 
 
 def located(tree: Tree, outcome: Outcome, place: str) -> None:
@@ -400,6 +409,19 @@ def generous() -> AbstractContextManager[object]:
     return patch.object(run_ledger, "_works", wrong)
 
 
+@contextmanager
+def too_steep() -> Iterator[None]:
+    """Say of every run that a force in it is too steep for doubles."""
+    right = trust.judge
+
+    def wrong(*given: Any, **more: Any) -> Any:
+        verdict = right(*given, **more)
+        return verdict._replace(doubts=verdict.doubts | Doubt.IMPULSE)
+
+    with patch.object(trust, "judge", wrong), patch.object(trust, "relative_impulse", lambda _: 1):
+        yield
+
+
 def rounded_up() -> AbstractContextManager[object]:
     """Let NumPy round up what a step gives, by a unit in the last place."""
     right = b"state.y[:] = work.y"
@@ -422,5 +444,6 @@ QUESTION = Question(
         Fault("events that are late by 1e-10", late, "scene 2 1 8"),
         Fault("works that are wrong in digit 7", generous, "scene 2 0 2"),
         Fault("steps that NumPy alone rounds up", rounded_up, "scene 2 0 2"),
+        Fault("verdicts that every force is too steep", too_steep, "scene 2 0 2"),
     ),
 )

@@ -9,7 +9,8 @@ import pytest
 import kousoku as ks
 from tests.random_scenes import random_scene
 from tests.stress import invariance
-from tests.stress.scenes import END, SAMPLES, quick_to_compile
+from tests.stress.kit import Outcome
+from tests.stress.scenes import END, SAMPLES, quick_to_compile, too_steep
 
 #: What it looks at is no part of kousoku.
 pytestmark = pytest.mark.release
@@ -83,3 +84,11 @@ def test_units_and_places_of_a_loop_cost_no_steps(place: str, change: str) -> No
         units, details = invariance.off(tree, motion, invariance.CHANGES[change])
     assert units <= invariance.LIMIT
     assert not details
+
+
+def test_a_verdict_that_nothing_explains_keeps_no_scene_from_being_compared() -> None:
+    """A scene without a root, of which it is said that a force is too steep for doubles."""
+    tree, outcome = random_scene(random.Random("1 3 0")), Outcome()
+    with quick_to_compile(), too_steep():
+        invariance.ask(tree, outcome, "", {"turned": invariance.CHANGES["turned"]})
+    assert outcome.figures.keys() >= {"turned (units)"}
