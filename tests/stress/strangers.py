@@ -342,33 +342,40 @@ def try_runs(case: str) -> Outcome:
 
 
 def try_resumed(case: str) -> Outcome:
-    """Try states of runs to go on from, with numbers that are others: no step leads outside."""
+    """Try states of runs to go on from, with numbers that are others: no step leads outside.
+
+    Of most the digest is that of the other numbers, so that these themselves are looked at.
+    """
     scene: Any = ks.load(ROOT / "scenes" / "bouncing_ball.toml")
     run = scene.begin(np.linspace(0.0, 1.0, 11))
     run.advance(4)
     saved = run.save()
     fields = [*scene.solver.state]
     number = st.sampled_from([np.nan, np.inf, -np.inf, -1.0, 0.0, 0.5, 1e9, 1e300, 5e-324, 2.0**31])
-    some = st.lists(
+    edits = st.lists(
         st.tuples(st.sampled_from(fields), st.integers(0, 100), number | st.floats()),
         min_size=1,
         max_size=3,
     )
+    some = st.tuples(edits, st.integers(0, 9).map(lambda k: k != 1))
 
-    def check(edits: list[tuple[str, int, float]]) -> bool:
-        state = saved.state.copy()
+    def check(of: tuple[list[tuple[str, int, float]], bool]) -> bool:
+        (edits, is_sealed), state = of, saved.state.copy()
         for name, place, value in edits:
             view = scene.solver.state[name].view(state)
             if view.size:
                 view.flat[place % view.size] = value
+        other = replace(saved, state=state)
         try:
             with watched():
-                again = scene.resume(replace(saved, state=state))
+                again = scene.resume(other.sealed() if is_sealed else other)
                 again.advance(50)
                 _ = repr(again), again.motion().columns(), str(again.motion().ledger)
         except KousokuError as error:
             refused_well(error)
             return False
+        if not is_sealed and state.tobytes() != saved.state.tobytes():
+            raise Disagreement("a state that is none that was saved is taken")
         return True
 
     tried = Tried("resumed")
@@ -388,7 +395,7 @@ def no_numbers(outcome: Outcome, name: str, case: str) -> None:
         state = saved.state.copy()
         scene.solver.state[field].view(state)[...] = np.nan
         try:
-            rows = scene.resume(replace(saved, state=state)).finish().rows
+            rows = scene.resume(replace(saved, state=state).sealed()).finish().rows
         except KousokuError as error:
             refused_well(error)
             outcome.count("states with a NaN: refused")
@@ -623,6 +630,18 @@ def raw() -> AbstractContextManager[object]:
     return patch.object(saved, "_require_places", lambda _: None)
 
 
+def not_finite() -> AbstractContextManager[object]:
+    """Go on from states whose numbers are not finite."""
+    return patch("kousoku.runtime.saved.FINITE", ())
+
+
+def unsealed() -> AbstractContextManager[object]:
+    """Take every state as what was saved, whatever its digest."""
+    from kousoku.runtime import saved
+
+    return patch.object(saved, "digest_of", lambda _: "")
+
+
 def placeless() -> AbstractContextManager[object]:
     """Leave the dotted key out of each line of a message."""
     return patch.object(SceneError, "_line", lambda _, one: one.problem)
@@ -637,6 +656,8 @@ QUESTION = Question(
         Fault("a reader that runs formulas as Python", evaluated, "formulas 1 0 20"),
         Fault("manifests whose digest is believed", believed, "manifests 1 0 30"),
         Fault("saved runs whose layout is believed", raw, "runs 1 0 300"),
+        Fault("states whose numbers are not finite are gone on from", not_finite, "resumed 1 0 20"),
+        Fault("states whose digest is believed", unsealed, "resumed 1 0 100"),
         Fault("messages that name no place", placeless, "tables 1 0 40"),
     ),
 )
