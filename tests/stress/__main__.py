@@ -118,17 +118,18 @@ def ask(
     answers : dict of Answer
         Of all cases.
     seconds : float
-        What this run and those that it goes on from took on the clock [s].
+        What these cases took on the clock, in this run and those that it goes on from [s].
     """
     start, before = time.monotonic(), 0.0
+    last = start  # when the case before ended: times between them add up to that of the run
     answers: dict[str, Answer] = {name: Answer() for name in chosen}
     cases = [(name, case) for name, question in chosen.items() for case in question.cases(size)]
     left = dict.fromkeys(cases)
     for done in done_in(journal):
         name, case = done["question"], done["case"]
-        before = max(before, done["clock"])
         if (name, case) in left:
             del left[name, case]
+            before += done["clock"]
             outcome = Outcome.from_dict(done["outcome"])
             answers[name].add(case, outcome, done["seconds"], command_of(name, case))
     print(f"seed {size.seed}: {len(cases)} cases, {len(cases) - len(left)} of them asked before")
@@ -143,10 +144,11 @@ def ask(
             else:
                 outcome, took = answered
                 answers[name].add(case, outcome, took, command_of(name, case))
-                clock = before + time.monotonic() - start
+                now = time.monotonic()
                 done = {"question": name, "case": case, "outcome": outcome.as_dict()}
-                written.write(json.dumps(done | {"seconds": took, "clock": clock}) + "\n")
+                written.write(json.dumps(done | {"seconds": took, "clock": now - last}) + "\n")
                 written.flush()
+                last = now
             progress.update(bar, advance=1, description=f"{name} {case}"[:40])
     return answers, before + time.monotonic() - start
 

@@ -136,6 +136,24 @@ def test_a_run_that_was_cut_goes_on_and_each_finding_has_a_command(
     assert commands == ["python -m tests.stress any --case 'one'\n"]
 
 
+def test_the_clock_of_some_cases_is_not_that_of_all(
+    build: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def answered(keys: Iterable[object], *_: object) -> Iterator[tuple[object, Answered]]:
+        for key in keys:
+            now[0] += 60.0
+            yield key, (Outcome(), 1.0)
+
+    now = [0.0]
+    question = Question("", lambda size: map(str, range(size.count or 5)), lambda _: Outcome(), ())
+    monkeypatch.setattr(command, "run_cases", answered)
+    monkeypatch.setattr("tests.stress.__main__.time.monotonic", lambda: now[0])
+    for count, wanted in ((None, 300.0), (None, 300.0), (1, 60.0)):
+        size = Size(count=count)
+        _, seconds = command.ask({"any": question}, size, build / "journal", 1)
+        assert seconds == wanted
+
+
 def test_the_page_tells_both_times_and_the_compiler(
     build: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
