@@ -13,13 +13,17 @@ import json
 import os
 import pkgutil
 import platform
+import re
 import shutil
 import subprocess
 import sys
 import tempfile
 import time
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from functools import partial
 from importlib import import_module
+from itertools import chain
 from pathlib import Path
 from typing import Any
 from unittest.mock import patch
@@ -267,18 +271,64 @@ def arguments_of(words: list[str] | None) -> argparse.Namespace:
     except ValueError as error:
         parser.error(str(error))
     parser.add_argument("--full", action="store_true", default=is_full)
-    parser.add_argument("--seed", type=int, default=int(given.get("SEED") or 1))
-    parser.add_argument("--count", type=int, default=int(given["N"]) if given.get("N") else None)
-    parser.add_argument("--page", type=Path, default=given.get("PAGE") or None)
-    parser.add_argument("--processes", type=int, default=os.cpu_count())
+    # what the environment says is read as if it stood behind its option
+    seed, count, page = (given.get(name) or None for name in ("SEED", "N", "PAGE"))
+    parser.add_argument("--seed", type=partial(whole, "SEED", 0), default=seed or 1)
+    parser.add_argument("--count", type=partial(whole, "N", 1), default=count)
+    parser.add_argument("--page", type=page_at, default=page)
+    number = partial(whole, "the number of processes", 1)
+    parser.add_argument("--processes", type=number, default=os.cpu_count())
     parser.add_argument("--case", help="run this case alone, in this process, and show its errors")
-    parser.add_argument("--plant", type=int, help="plant the fault of this number first")
+    number = partial(whole, "the number of a fault", 0)
+    parser.add_argument("--plant", type=number, help="plant the fault of this number first")
     arguments = parser.parse_args(words)
     for name in arguments.questions:
         if name not in known:
             parser.error(f"there is no question {name!r}; there are {', '.join(known)}")
     arguments.known = {name: known[name] for name in arguments.questions}
+    if problem := problem_of(arguments):
+        parser.error(problem)
     return arguments
+
+
+def whole(name: str, least: int, text: str) -> int:
+    """Whole number that an option says."""
+    with suppress(ValueError):
+        if (number := int(text)) >= least:
+            return number
+    raise argparse.ArgumentTypeError(f"{name} is {text!r}; wanted a whole number from {least} on")
+
+
+def page_at(text: str) -> Path:
+    """Place of a file that a page can be written to."""
+    path = Path(text)
+    if path.is_dir() or any(one.is_file() for one in path.parents):
+        raise argparse.ArgumentTypeError(f"PAGE is {text!r}; wanted a file, in folders")
+    return path
+
+
+def problem_of(arguments: argparse.Namespace) -> str:
+    """Reason why a case or a fault cannot be asked; "" for none."""
+    if arguments.case is None and arguments.plant is None:
+        return ""
+    if len(arguments.questions) != 1:
+        return "a case and a fault are those of one question; wanted its name"
+    ((name, question),) = arguments.known.items()
+    if arguments.plant is not None and arguments.plant >= len(question.faults):
+        return f"{name} has {len(question.faults)} faults, 0 to {len(question.faults) - 1}"
+    sizes = (Size(is_full, arguments.seed) for is_full in (False, True))
+    every = chain(*map(question.cases, sizes), (fault.case for fault in question.faults))
+    sorts = dict[str, None]()
+    for one in every:
+        if arguments.case is None or sort_of(one) == sort_of(arguments.case):
+            return ""
+        sorts[sort_of(one)] = None
+    return f"{arguments.case!r} is no case of {name}; they begin with {', '.join(sorts)}"
+
+
+def sort_of(case: str) -> str:
+    """First word of the name of a case."""
+    return re.split(r"[ |,]", case)[0]
 
 
 def run_here(name: str, question: Question, case: str | None, plant: int | None) -> Answered:

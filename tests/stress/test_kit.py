@@ -91,6 +91,40 @@ def build(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+WRONG = {
+    "N=abc": "N is 'abc'; wanted a whole number from 1 on",
+    "N=0": "N is '0'; wanted a whole number from 1 on",
+    "N=-3": "N is '-3'; wanted a whole number from 1 on",
+    "SEED=x": "SEED is 'x'; wanted a whole number from 0 on",
+    "FULL=2": "FULL is '2', and neither 1 nor 0",
+    "PAGE=.": "PAGE is '.'; wanted a file, in folders",
+    "--processes 0": "the number of processes is '0'; wanted a whole number from 1 on",
+    "--case nonsense": "'nonsense' is no case of branches; they begin with near",
+    "--plant 9": "branches has 1 faults, 0 to 0",
+    "invariance --plant 0": "a case and a fault are those of one question; wanted its name",
+    "nonsense": "there is no question 'nonsense'; there are branches, compilers, ",
+}
+
+
+@pytest.mark.usefixtures("build")
+@pytest.mark.parametrize("said", WRONG)
+def test_what_cannot_be_asked_is_told_in_a_line_before_anything_is(
+    said: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    name, _, value = said.partition("=")
+    words = [] if value else said.split()
+    if value:
+        monkeypatch.setenv(name, value)
+    monkeypatch.setattr(command, "ask", None)
+    monkeypatch.setattr(command, "run_here", None)
+    with pytest.raises(SystemExit) as ended:
+        command.main(["branches", *words])
+    assert ended.value.code == 2
+    told = capsys.readouterr()
+    assert WRONG[said] in told.err.splitlines()[-1]
+    assert told.out == ""
+
+
 def test_findings_of_a_question_that_is_asked_again_go(
     build: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
