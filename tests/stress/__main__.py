@@ -343,6 +343,17 @@ def run_here(name: str, question: Question, case: str | None, plant: int | None)
 def main(words: list[str] | None = None) -> int:
     """Ask questions, and return the exit status."""
     given = arguments_of(words)
+    try:
+        return answer(given)
+    except KeyboardInterrupt:
+        is_whole = given.case is None and given.plant is None
+        told = "; the same command goes on with the cases that are left" if is_whole else ""
+        print(f"interrupted{told}", file=sys.stderr)
+        return 130
+
+
+def answer(given: argparse.Namespace) -> int:
+    """Ask the questions that arguments name, and return the exit status."""
     size, seconds = Size(given.full, given.seed, given.count), 0.0
     is_whole = given.case is None and given.plant is None
     with tempfile.TemporaryDirectory(prefix="kousoku-stress-") as cache:

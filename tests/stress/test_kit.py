@@ -9,11 +9,14 @@ import re
 import select
 import shutil
 import subprocess
+import time
+from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
 import pytest
 
 from tests.stress import __main__ as command
+from tests.stress import workers
 from tests.stress.kit import Finding, Outcome, Question, Size
 from tests.stress.workers import Answered, StoppedError, Worker, run_case
 
@@ -68,6 +71,29 @@ def test_a_worker_that_is_stopped_leaves_no_process(
     finally:
         worker.stop()
         os.close(pipe)
+
+
+def wait_long(name: str, case: str) -> None:
+    """Wait as a case that takes long does."""
+    time.sleep(600)
+
+
+def test_a_worker_that_is_stopped_while_it_runs_a_case_is_not_replaced() -> None:
+    worker = Worker(wait_long)
+    with ThreadPoolExecutor(1) as threads:
+        running = threads.submit(worker.run, "any", "case", 600.0)
+        time.sleep(1.0)
+        worker.stop()
+        with pytest.raises(StoppedError):
+            running.result(60.0)
+    assert not workers.SPAWN.active_children()
+
+
+def test_a_worker_ends_when_nobody_waits_for_its_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    ours, other = workers.SPAWN.Pipe()
+    monkeypatch.setattr(workers, "HAS_GROUPS", False)
+    ours.send(("any", "case"))
+    workers._serve(other, lambda *_: ours.close())
 
 
 def test_a_figure_has_a_unit() -> None:
@@ -146,7 +172,7 @@ def test_findings_of_a_question_that_is_asked_again_go(
 
 
 def test_a_run_that_was_cut_goes_on_and_each_finding_has_a_command(
-    build: Path, monkeypatch: pytest.MonkeyPatch
+    build: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     found, asked = Outcome(), list[object]()
     found.measure("how far off (m)", 2.0, "there", limit=1.0)
@@ -162,8 +188,9 @@ def test_a_run_that_was_cut_goes_on_and_each_finding_has_a_command(
                 raise KeyboardInterrupt
 
     monkeypatch.setattr(command, "run_cases", answered)
-    with pytest.raises(KeyboardInterrupt):
-        command.main(["any"])
+    assert command.main(["any"]) == 130
+    told = "interrupted; the same command goes on with the cases that are left\n"
+    assert capsys.readouterr().err == told
     assert command.main(["any"]) == 1
     assert asked == [("any", "one"), ("any", "two")]
     commands = [path.read_text("utf-8") for path in build.glob("findings/any-*/command.txt")]

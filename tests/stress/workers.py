@@ -66,12 +66,13 @@ def _serve(pipe: Connection, answer: Callable[[str, str], Any]) -> None:
     while True:
         try:
             name, case = pipe.recv()
-        except EOFError:
+        except (EOFError, ConnectionError):
             return
-        try:
-            pipe.send(answer(name, case))
-        except Exception as error:
-            pipe.send(f"{type(error).__name__}: {error}")
+        with suppress(ConnectionError):  # the process that asked is gone
+            try:
+                pipe.send(answer(name, case))
+            except Exception as error:
+                pipe.send(f"{type(error).__name__}: {error}")
 
 
 class Worker(Generic[T]):
@@ -84,7 +85,7 @@ class Worker(Generic[T]):
     """
 
     def __init__(self, answer: Callable[[str, str], T]) -> None:
-        self._answer = answer
+        self._answer, self._is_over = answer, False
         self._start()
 
     def _start(self) -> None:
@@ -108,7 +109,7 @@ class Worker(Generic[T]):
                 self._replace()
                 raise StoppedError(f"takes longer than {seconds:g} s")
             answer: T | str = self._pipe.recv()
-        except (EOFError, ConnectionError) as error:
+        except (EOFError, OSError) as error:
             self._process.join()
             status = self._process.exitcode
             self._replace()
@@ -118,11 +119,16 @@ class Worker(Generic[T]):
         return answer
 
     def _replace(self) -> None:
-        self.stop()
-        self._start()
+        self._end()
+        if not self._is_over:
+            self._start()
 
     def stop(self) -> None:
-        """End the process and those that it started, whatever they do."""
+        """End the process and those that it started, whatever they do, and start no other."""
+        self._is_over = True
+        self._end()
+
+    def _end(self) -> None:
         self._pipe.close()
         self._process.kill()
         if HAS_GROUPS and self._process.pid is not None:
