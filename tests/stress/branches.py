@@ -37,6 +37,10 @@ HEALTHY = 1e-2
 OFF = 1e-6
 """How far a motion may be off, where branches are ten times as far from each other [m]."""
 
+MOST_STEPS = 10_000
+"""Steps of a motion at most: nearer to where branches meet than its tolerance tells one may take
+millions, and tells that. Others have hundreds."""
+
 METHODS = ("kinematics", "dop853", "dopri5")
 LAWS: dict[str, Callable[[Any, float], Any]] = {
     "even": lambda x, _: x,
@@ -234,6 +238,7 @@ def move(
 
     outcome.count("motions")
     options = {"method": method, "tolerance": tolerance, "parameters": given}
+    options |= {"most_steps": MOST_STEPS}
     place = f"gap {linkage.gap:.3g} m, {options}, {len(times)} rows to {times[-1]!r} s"
     try:
         motion = mechanism.simulate(times=times, **options)
