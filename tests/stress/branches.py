@@ -20,7 +20,7 @@ from kousoku.model.errors import KousokuError, MotionError
 from kousoku.runtime.integrate import trust
 from kousoku.runtime.integrate.settings import Doubt
 from tests.stress.kit import Fault, Outcome, Question, Size
-from tests.stress.scenes import quick_to_compile, reason_of
+from tests.stress.scenes import STOPS, quick_to_compile, reason_of, stopping, told
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -243,7 +243,7 @@ def move(
     try:
         motion = mechanism.simulate(times=times, **options)
     except MotionError as stop:
-        outcome.count(f"stopped: {reason_of(stop)}")
+        told(outcome, stop, "stopped", STOPS, place, near__toml=linkage.text)
         return
     except KousokuError as error:
         outcome.find(f"refused: {reason_of(error)}", place, near__toml=linkage.text)
@@ -275,5 +275,8 @@ QUESTION = Question(
     " trusted?",
     cases=cases,
     run=run,
-    faults=(Fault("steps that leap are no doubt", nothing_doubted, "near 1 19"),),
+    faults=(
+        Fault("steps that leap are no doubt", nothing_doubted, "near 1 19"),
+        Fault("motions that stop for no reason", stopping, "near 1 19"),
+    ),
 )

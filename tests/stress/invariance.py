@@ -21,7 +21,17 @@ from tests.stress import changes
 from tests.stress.changes import DoesNotApply, Scaled
 from tests.stress.comparing import size_of
 from tests.stress.kit import Fault, Outcome, Question, Size
-from tests.stress.scenes import END, SAMPLES, is_by_rounding, quick_to_compile, reason_of
+from tests.stress.scenes import (
+    END,
+    REASONS,
+    SAMPLES,
+    STOPS,
+    is_by_rounding,
+    quick_to_compile,
+    reason_of,
+    stopping,
+    told,
+)
 from tests.stress.smaller import smallest
 
 if TYPE_CHECKING:
@@ -133,7 +143,7 @@ def ask(tree: Tree, outcome: Outcome, place: str, chosen: dict[str, Change]) -> 
         mechanism = ks.load(tree, target="c")
         motion: Any = mechanism.simulate(END, samples=SAMPLES, tolerance=TOLERANCE)
     except KousokuError as error:
-        outcome.count(f"refused: {reason_of(error)}")
+        told(outcome, error, "refused", (*REASONS, *STOPS), place)
         return
     if is_by_rounding(tree, motion.ledger.trust):
         outcome.count("told that rounding decides: a force is too steep for doubles")
@@ -263,6 +273,7 @@ QUESTION = Question(
             partial(pulled, 1.0, 1 + 1e-10),
             "changed 1 4 turned",
         ),
+        Fault("motions that stop for no reason", stopping, "changed 1 4 turned", "refused"),
     ),
     seconds=1200.0,
 )

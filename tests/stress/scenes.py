@@ -23,6 +23,7 @@ from hypothesis import strategies as st
 from msgspec import structs
 
 import kousoku as ks
+from kousoku.mechanism import Mechanism
 from kousoku.model.elements.event import ZeroCrossing
 from kousoku.model.elements.gear import Gear
 from kousoku.model.errors import KousokuError, MotionError, SceneError
@@ -37,10 +38,9 @@ from tests.stress.kit import Disagreement, Fault, Outcome, Question, Size, falsi
 from tests.stress.smaller import smallest
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
     from contextlib import AbstractContextManager
 
-    from kousoku.mechanism import Mechanism
     from kousoku.runtime.integrate.trust import Trust
 
     Tree = dict[str, Any]
@@ -107,8 +107,18 @@ SAME = 1e3
 stages has a few sines, known to a unit, and a motion makes of them some times as much."""
 
 
-REASONS = ("axes that parameters turn", "hold", "does not fit together near")
+HOLDS = "above which it is not redundant, and it is independent above"
+"""How the message goes on that tells a row that holds nearly nothing beside others."""
+
+REASONS = ("axes that parameters turn", HOLDS, "does not fit together near")
 """What random scenes are refused for, and rightly."""
+
+STOPS = (
+    "no step can be taken: ",
+    " steps are made and t = ",
+    "the constraints cannot be met inside of a step of ",
+)
+"""What motions stop for, and rightly; the last where steps of fixed length are too long."""
 
 
 def cases(size: Size) -> Iterator[str]:
@@ -202,16 +212,14 @@ def look(tree: Tree, place: str) -> Outcome:
         mechanism = ks.load(tree, target="c")
         runs, stops = moved(mechanism)
     except KousokuError as error:
-        reason = reason_of(error)
-        outcome.count(f"refused: {reason}")
-        if not any(known in reason for known in REASONS):
-            outcome.find("refused for a reason that is not known", f"{error}; {place}")
+        told(outcome, error, "refused", REASONS, place)
         return outcome
     except Exception as error:
         outcome.find(f"a crash: {type(error).__name__}", f"{error}; {place}")
         return outcome
     if stops:
-        outcome.count("stopped and told")
+        for stop in stops.values():
+            told(outcome, stop, "stopped", STOPS, place)
         if runs and stops.keys() != {"fixed step"}:  # one that is too long
             name, stop = next(iter(stops.items()))
             outcome.find(f"{name} stops where others move on", f"{stop}; {place}")
@@ -238,9 +246,19 @@ def look(tree: Tree, place: str) -> Outcome:
     return outcome
 
 
+def told(
+    outcome: Outcome, error: KousokuError, what: str, known: Iterable[str], place: str, **files: str
+) -> None:
+    """Count why something is refused, or stops; that is a finding where the reason is not known."""
+    outcome.count(f"{what}: {reason_of(error)}")
+    if not any(reason in str(error) for reason in known):
+        outcome.find(f"{what} for a reason that is not known", f"{error}; {place}", **files)
+
+
 def reason_of(error: KousokuError) -> str:
     """Kind of an error, and its text without names and numbers."""
     problem = error.problems[0].problem if isinstance(error, SceneError) else str(error)
+    problem = re.sub(r"\bwith (\w+ = \S+, )*\w+ = \S+: ", "", problem)
     text = re.sub(r"\b\w*_\d+\b|'[^']*'|[-+]?\d[\d.e+-]*", "…", problem.splitlines()[0])
     return f"{type(error).__name__}: {text[:70]}"
 
@@ -422,6 +440,16 @@ def too_steep() -> Iterator[None]:
         yield
 
 
+def stopping() -> AbstractContextManager[object]:
+    """Stop every motion, and give a reason that is none."""
+    right = Mechanism.simulate
+
+    def wrong(self: Any, *given: Any, **more: Any) -> Any:
+        raise MotionError("nonsense: at t = 0 s: nothing goes on", right(self, *given, **more))
+
+    return patch.object(Mechanism, "simulate", wrong)
+
+
 def rounded_up() -> AbstractContextManager[object]:
     """Let NumPy round up what a step gives, by a unit in the last place."""
     right = b"state.y[:] = work.y"
@@ -445,5 +473,6 @@ QUESTION = Question(
         Fault("works that are wrong in digit 7", generous, "scene 2 0 2"),
         Fault("steps that NumPy alone rounds up", rounded_up, "scene 2 0 2"),
         Fault("verdicts that every force is too steep", too_steep, "scene 2 0 2"),
+        Fault("motions that stop for no reason", stopping, "scene 2 0 2", "stopped for a reason"),
     ),
 )

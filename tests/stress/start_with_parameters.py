@@ -16,7 +16,7 @@ from kousoku.runtime.integrate.assembled_start import WrittenBody
 from tests.random_scenes import random_scene
 from tests.start_with_parameters import missed
 from tests.stress.kit import Fault, Outcome, Question, Size
-from tests.stress.scenes import reason_of
+from tests.stress.scenes import REASONS, stopping, told
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -26,6 +26,15 @@ BATCH = 5
 
 CHANGED, BY = 2, 0.1
 """So many parameters are changed, by this part at most."""
+
+NOT_BEGUN = (
+    *REASONS,
+    "; wanted a positive number",
+    "joints stay open, or come open by more than",
+    "leave some out",
+    "the start cannot be brought onto the constraints",
+)
+"""What runs with other parameters, and their files, are refused for, and rightly."""
 
 SOON = 0.1
 """Time until which a run tells that its redundant rows miss [s]."""
@@ -68,7 +77,7 @@ def ask(tree: dict[str, Any], draw: random.Random, outcome: Outcome, place: str)
         elsewhere, _ = missed(scene, given, motion)
         closed, faster = missed(scene, given, motion, is_there=True)
     except KousokuError as error:
-        outcome.count(f"refused: {reason_of(error)}")
+        told(outcome, error, "refused", NOT_BEGUN, place)
         return
     outcome.count("begun" if solver.layout.given else "begun, nothing depends on them")
     if elsewhere > FAR_PLACE:
@@ -122,5 +131,6 @@ QUESTION = Question(
     faults=(
         Fault("velocities that assembly made for other places", as_assembled, "begun 1 3 1"),
         Fault("an angular velocity in the wrong frame", in_the_body, "begun 1 3 1"),
+        Fault("motions that stop for no reason", stopping, "begun 1 3 1", "refused"),
     ),
 )
