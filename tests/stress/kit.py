@@ -8,12 +8,15 @@ case that found something is repeated by one command.
 from __future__ import annotations
 
 import math
+import time
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import hypothesis
 from hypothesis import HealthCheck, Phase, settings
+
+from tests.stress import smaller
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -268,6 +271,8 @@ def falsify(
 ) -> tuple[T, Exception] | None:
     """Smallest example that a check refuses, and what it says; None if it takes all.
 
+    It is made smaller for as long as a scene is: later examples count as taken.
+
     Parameters
     ----------
     strategy : SearchStrategy
@@ -280,6 +285,7 @@ def falsify(
         How many are tried.
     """
     refused: list[tuple[T, Exception]] = []
+    last = math.inf
 
     @hypothesis.seed(seed)
     @settings(
@@ -293,16 +299,20 @@ def falsify(
     )
     @hypothesis.given(strategy)
     def every_example_is_taken(example: T) -> None:
+        nonlocal last
+        if time.monotonic() >= last:
+            return
         try:
             check(example)
         except Exception as error:
             refused.append((example, error))
+            last = min(last, time.monotonic() + smaller.MOST_SECONDS)
             raise
 
     try:
         every_example_is_taken()
     except Exception:
-        # Hypothesis runs the smallest example last.
+        # Hypothesis runs the smallest example last, and is at odds with those that count as taken.
         if not refused:
             raise
         return refused[-1]

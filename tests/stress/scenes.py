@@ -191,13 +191,15 @@ def ask(tree: Tree, outcome: Outcome, place: str, *, is_smallest: bool = False) 
     if not own.findings:
         return
     titles = {one.title: one for one in own.findings}
-    first = own.findings[0].title
-
-    def is_there(smaller: Tree) -> bool:
-        return any(one.title == first for one in look(smaller, place).findings)
-
-    small = tree if is_smallest else smallest(tree, is_there)
+    small = tree
     for title, finding in titles.items():
+
+        def is_there(smaller: Tree, title: str = title) -> bool:
+            return any(one.title == title for one in look(smaller, place).findings)
+
+        if not is_smallest:  # the one before is a good beginning where it shows this, too
+            begin = small if small is tree or is_there(small) else tree
+            small = smallest(begin, is_there, among=len(titles))
         way = WAYS.get(re.split(":| stops", title)[0], WAYS["default"])
         options = (f"--{name.replace('_', '-')} {value}" for name, value in way.items())
         command = " ".join([f"kousoku simulate scene.toml --end {END}", *options])

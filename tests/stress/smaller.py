@@ -20,10 +20,10 @@ def _is_table(value: Any) -> bool:
     return isinstance(value, dict)
 
 
-def smallest(tree: Tree, is_found: Callable[[Tree], bool]) -> Tree:
+def smallest(tree: Tree, is_found: Callable[[Tree], bool], among: int = 1) -> Tree:
     """Smaller tree of which the same is true, found by leaving out parts in turn.
 
-    After ``MOST_SECONDS`` no more is tried.
+    After ``MOST_SECONDS``, or its part of them, no more is tried.
 
     Parameters
     ----------
@@ -31,8 +31,10 @@ def smallest(tree: Tree, is_found: Callable[[Tree], bool]) -> Tree:
         A scene.
     is_found : callable
         Whether what was found is found in a smaller one; what it raises means no.
+    among : int
+        How many findings share the time.
     """
-    last, found = time.monotonic() + MOST_SECONDS, True
+    last, found = time.monotonic() + MOST_SECONDS / among, True
     while found:
         found = False
         for smaller in _smaller(tree):
@@ -56,6 +58,11 @@ def _smaller(tree: Tree) -> Iterator[Tree]:
     for key in ("gravity", "divisions", "parameters", "closure_tolerance"):
         if key in tree:
             yield {one: value for one, value in tree.items() if one != key}
+    parameters = tree.get("parameters", {})
+    for gone in (unnamed(tree), *({name} for name in parameters)):
+        kept = {name: one for name, one in parameters.items() if name not in gone}
+        if gone and kept:
+            yield tree | {"parameters": kept}
     for output in tree.get("outputs", ()):
         yield tree | {"outputs": [one for one in tree["outputs"] if one != output]}
     for table, key in ((t, k) for t, v in tree.items() if _is_table(v) for k in v):
@@ -64,6 +71,12 @@ def _smaller(tree: Tree) -> Iterator[Tree]:
             smaller = copy.deepcopy(tree)
             del smaller[table][key][part]
             yield smaller
+
+
+def unnamed(tree: Tree) -> set[str]:
+    """Parameters that nothing refers to."""
+    others = {table: elements for table, elements in tree.items() if table != "parameters"}
+    return {name for name in tree.get("parameters", ()) if not _refers(others, {name})}
 
 
 def without(tree: Tree, names: set[str]) -> Tree:

@@ -126,7 +126,7 @@ WRONG = {
     "PAGE=.": "PAGE is '.'; wanted a file, in folders",
     "--processes 0": "the number of processes is '0'; wanted a whole number from 1 on",
     "--case nonsense": "'nonsense' is no case of branches; they begin with near",
-    "--plant 9": "branches has 1 faults, 0 to 0",
+    "--plant 9": " faults, 0 to ",
     "invariance --plant 0": "a case and a fault are those of one question; wanted its name",
     "nonsense": "there is no question 'nonsense'; there are branches, compilers, ",
 }
