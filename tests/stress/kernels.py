@@ -99,6 +99,12 @@ LOST = {
         7,
         "2 β̇ l̇ l0 is below the normal doubles before it is divided by l: a link of 1e-110 m.",
     ),
+    "reaction_q of length": (
+        SCALES,
+        6,
+        "The product of both arms, over l, is below the normal doubles before λ multiplies it: arms"
+        " of 1e-130 m, 1e50 m apart.",
+    ),
 }
 KNOWN = {
     f"{output} of {kind} is up to {most} units off: {CLIMBING}": "A form that keeps all digits"
