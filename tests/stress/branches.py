@@ -279,4 +279,5 @@ QUESTION = Question(
         Fault("steps that leap are no doubt", nothing_doubted, "near 1 19"),
         Fault("motions that stop for no reason", stopping, "near 1 19"),
     ),
+    needs_compiler=True,
 )

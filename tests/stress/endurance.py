@@ -285,6 +285,7 @@ QUESTION = Question(
     in_full="1,000,000 steps, and 100,000 turns of each that is led and of a linkage",
     cases=cases,
     run=run,
+    needs_compiler=True,
     faults=(
         Fault(
             "steps are too long for their tolerance", long_steps, "conservative pendulum 1 20000"

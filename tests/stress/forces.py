@@ -221,6 +221,7 @@ QUESTION = Question(
     " span: is one missed?",
     cases=cases,
     run=run,
+    needs_compiler=True,
     faults=(
         Fault(
             "no step ends where formulas of time switch, or is shorter where they vary",

@@ -25,11 +25,11 @@ import numpy as np
 
 import kousoku as ks
 from kousoku.cli.app import main
-from kousoku.model.errors import KousokuError, NoCompilerError
+from kousoku.model.errors import KousokuError
 from kousoku.runtime import toolchain
 from kousoku.runtime.sources import Sources
 from tests.random_scenes import random_scene
-from tests.stress import children
+from tests.stress import children, workers
 from tests.stress.kit import ROOT, Fault, Outcome, Question
 from tests.stress.watched import warm
 
@@ -77,14 +77,6 @@ def _rows(scene: str, target: Any) -> str:
     return f"{mechanism.target} {_digest(np.stack([*found.columns().values()]).tobytes())}"
 
 
-def _has_compiler() -> bool:
-    try:
-        toolchain.find_toolchain()
-    except NoCompilerError:
-        return False
-    return True
-
-
 def _forget() -> None:
     """Let this process find its compiler anew."""
     for function in (toolchain._chosen, toolchain._first, toolchain.probe):
@@ -103,7 +95,7 @@ def _together(case: str) -> Outcome:
     """Let processes load the same and different scenes at once, with an empty cache."""
     count = case.rpartition(" ")[2]
     draw, outcome = random.Random(case), Outcome()
-    has_compiler = _has_compiler()
+    has_compiler = workers.has_compiler()
     warm()
     with tempfile.TemporaryDirectory(prefix="kousoku-stress-") as place:
         log, compiler = Path(place, "log"), Path(place, "cc")
@@ -269,8 +261,8 @@ def _broken(case: str) -> Outcome:
     """Let a process do its work while something goes wrong, again and again."""
     kind, _, name, count = case.split()
     work, draw, outcome = WORKS[name.replace("_", " ")], random.Random(case), Outcome()
-    if name == "load_c" and not _has_compiler():
-        outcome.count("not asked: there is no compiler")
+    if name == "load_c" and not workers.has_compiler():
+        outcome.count(workers.NOT_ASKED)
         return outcome
     warm()
     _motion()
@@ -397,7 +389,7 @@ def _loaded(number: int) -> tuple[dict[str, Any], float, dict[str, Any]] | None:
         draw = random.Random(number)
         scene, end, options = random_scene(draw), 0.05, {"tolerance": draw.choice([1e-4, 1e-7])}
     os.environ.setdefault("KOUSOKU_CFLAGS", FLAGS)
-    targets = ("numpy", "c") if _has_compiler() else ("numpy",)
+    targets = ("numpy", "c") if workers.has_compiler() else ("numpy",)
     made: dict[str, Any] = {}
     for target in targets:
         which: Any = target

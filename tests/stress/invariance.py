@@ -266,6 +266,7 @@ QUESTION = Question(
     " what the change costs?",
     cases=cases,
     run=run,
+    needs_compiler=True,
     faults=(
         Fault("gravity along one axis alone", partial(pulled, 0.0, 1.0), "changed 1 4 turned"),
         Fault(

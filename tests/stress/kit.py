@@ -237,8 +237,7 @@ class Question:
         What is asked, and what is measured: the first sentence of its part of the page. How much of
         it a run asked its counts say.
     cases : callable
-        Returns the names of the cases for a :class:`Size`. Without a compiler in reach a question
-        that needs one says so as a count instead of failing.
+        Returns the names of the cases for a :class:`Size`.
     run : callable
         Runs a case by its name, in a process of its own for cases, with a cache that all share.
     faults : tuple of Fault
@@ -250,6 +249,8 @@ class Question:
         The longest time a case may take; one that takes longer is a finding.
     in_full : str
         What only the full size asks, in words that follow "the full size asks".
+    needs_compiler : bool
+        Whether its cases are not run, but counted, where no compiler is in reach.
     """
 
     asks: str
@@ -259,6 +260,7 @@ class Question:
     known: dict[str, str] = field(default_factory=dict)
     seconds: float = 600.0
     in_full: str = ""
+    needs_compiler: bool = False
 
     def reason_of(self, finding: Finding) -> str | None:
         """Reason why a finding is known and not mended; None for a new one."""

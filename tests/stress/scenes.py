@@ -471,6 +471,7 @@ QUESTION = Question(
     " an independent evaluator and all methods agree, and is one refused for no reason?",
     cases=cases,
     run=run,
+    needs_compiler=True,
     faults=(
         Fault("gears that turn the wrong way", partial(geared, -1.0), "numbered 9"),
         Fault("gears whose ratio is wrong in digit 11", partial(geared, 1 + 1e-11), "numbered 9"),

@@ -11,6 +11,7 @@ import shutil
 import subprocess
 import time
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import pytest
@@ -18,7 +19,7 @@ import pytest
 from tests.stress import __main__ as command
 from tests.stress import workers
 from tests.stress.kit import Finding, Outcome, Question, Size
-from tests.stress.workers import Answered, StoppedError, Worker, run_case
+from tests.stress.workers import ASKED, NOT_ASKED, Answered, StoppedError, Worker, run_case
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -225,6 +226,24 @@ def test_the_page_tells_both_times_and_the_compiler(
     page = command.page_of({"any": asked_of(Outcome())}, {"any": answer}, Size(), 48.0)
     assert "a compiler 1.2, seed 1, quick run: 1.5 min of processor time, 0.8 min of wall" in page
     assert re.search(r"\| turns \| 30 \|", page)
+
+
+@pytest.mark.parametrize("name", [*command.questions()])
+def test_every_question_says_that_no_compiler_is_in_reach(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("KOUSOKU_CC", "none")
+    question, asked = command.questions()[name], list[str]()
+
+    def run(case: str) -> Outcome:
+        asked.append(case)
+        return Outcome()
+
+    monkeypatch.setattr(f"tests.stress.{name}.QUESTION", replace(question, run=run))
+    outcome, _ = run_case(name, "one")
+    needs = name in {"branches", "endurance", "forces", "invariance", "scenes"}
+    assert asked == ([] if needs else ["one"])
+    assert outcome.counts == {NOT_ASKED if needs else ASKED: 1}
 
 
 @pytest.mark.skipif(shutil.which("git") is None, reason="no git")

@@ -18,17 +18,24 @@ from queue import SimpleQueue
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 from unittest.mock import patch
 
+from kousoku.model.errors import NoCompilerError
+from kousoku.runtime.toolchain import find_toolchain
+from tests.stress.kit import Outcome
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
     from multiprocessing.connection import Connection
 
-    from tests.stress.kit import Outcome
+    from tests.stress.kit import Question
 
 Key = tuple[str, str]
 """A question's name, and a case's."""
 
-Answered = tuple["Outcome", float]
+Answered = tuple[Outcome, float]
 """The outcome of a case, and its processor time [s]."""
+
+NOT_ASKED, ASKED = "not asked: no compiler is in reach", "asked without C: no compiler is in reach"
+"""What cases that need a compiler count without one, and all others."""
 
 SPAWN = get_context("spawn")
 HAS_GROUPS = hasattr(os, "setpgid")
@@ -48,11 +55,24 @@ def processor() -> str:
     return found[1] if found else platform.processor() or platform.machine()
 
 
+def has_compiler() -> bool:
+    """Whether a compiler is in reach; one that is named and does not work raises an error."""
+    try:
+        find_toolchain()
+    except NoCompilerError:
+        return False
+    return True
+
+
 def run_case(name: str, case: str) -> Answered:
-    """Run a case here."""
-    start = sum(os.times()[:4])
+    """Run a case here; without a compiler in reach one that needs it is not, and all count it."""
+    start, is_whole = sum(os.times()[:4]), has_compiler()
+    question: Question = import_module(f"tests.stress.{name}").QUESTION
+    is_asked = is_whole or not question.needs_compiler
     with patch.dict(os.environ):  # what a case sets, the next one does not see
-        outcome: Outcome = import_module(f"tests.stress.{name}").QUESTION.run(case)
+        outcome = question.run(case) if is_asked else Outcome()
+    if not is_whole:
+        outcome.count(ASKED if is_asked else NOT_ASKED)
     return outcome, sum(os.times()[:4]) - start
 
 
