@@ -26,11 +26,13 @@ import numpy as np
 import kousoku as ks
 from kousoku.cli.app import main
 from kousoku.model.errors import KousokuError
+from kousoku.model.reading.write import toml_of
 from kousoku.runtime import toolchain
 from kousoku.runtime.sources import Sources
 from tests.random_scenes import random_scene
 from tests.stress import children, workers
 from tests.stress.kit import ROOT, Fault, Outcome, Question
+from tests.stress.scenes import rounded_up, units_allowed
 from tests.stress.watched import warm
 
 if TYPE_CHECKING:
@@ -380,8 +382,8 @@ ALL = ("accelerations", "reactions", "energies")
 
 
 @cache
-def _loaded(number: int) -> tuple[dict[str, Any], float, dict[str, Any]] | None:
-    """Scene by each target, an end, and options; None where it cannot be moved."""
+def _loaded(number: int) -> tuple[dict[str, Any], float, dict[str, Any], bool]:
+    """Scene by each target, an end, options, and whether all targets have the same bits."""
     if number < len(LONG):
         name, end, options = LONG[number]
         scene: Any = ROOT / "scenes" / f"{name}.toml"
@@ -395,7 +397,8 @@ def _loaded(number: int) -> tuple[dict[str, Any], float, dict[str, Any]] | None:
         which: Any = target
         outputs: Any = (None, ALL, None, ALL, ALL, None)[number] if number < len(LONG) else None
         made[target] = ks.load(scene, outputs=outputs, target=which)
-    return made, end, options
+    text = scene.read_text(encoding="utf-8") if number < len(LONG) else toml_of(scene)
+    return made, end, options, units_allowed(text) == 0.0
 
 
 def _told(run: Run) -> dict[str, Any]:
@@ -473,15 +476,18 @@ def _resumed(case: str) -> Outcome:
     except KousokuError:
         outcome.count("runs: a random scene is refused")
         return outcome
-    assert found is not None
-    made, end, options = found
+    made, end, options, has_same_bits = found
     times = np.sort(np.append(np.linspace(0.0, end, 12), draw.uniform(0.0, end)))
     try:
         whole = {name: _told(_finished(one.begin(times, **options))) for name, one in made.items()}
     except KousokuError:
         outcome.count("runs: a random scene cannot start")
         return outcome
-    is_exact = not _differs(whole["numpy"], whole[[*made][-1]])
+    difference = _differs(whole["numpy"], whole[[*made][-1]])
+    is_exact = not difference
+    if difference and has_same_bits:
+        where = f"scene {number}, {options}: {difference}"
+        outcome.find(f"C and NumPy tell otherwise: {difference.split()[0]}", where, _command(case))
     for _ in range(int(count)):
         name = draw.choice([*made])
         moves = draw.random() < 0.5 and len(made) > 1
@@ -579,6 +585,7 @@ QUESTION = Question(
         Fault("a writer that writes piece by piece", half_written, "full 1 run.npz 10"),
         Fault("a lock that does not lock", unlocked, "together 1 0 6"),
         Fault("a run that forgets a count when resumed", forgetful, "resumed 1 0 4"),
+        Fault("runs that NumPy alone rounds up", partial(rounded_up, 7), "resumed 1 0 1"),
         Fault("a cache that must be written", careless, "read-only-cache 1 simulate 1"),
     ),
 )
