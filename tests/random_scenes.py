@@ -7,6 +7,7 @@
 from __future__ import annotations
 
 import random
+import tomllib
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +17,7 @@ from tests.random_draft import Draft
 from tests.random_geometry import DIRECTIONS
 from tests.random_mechanisms import DETERMINED, JOINT_NAMES, MECHANISMS
 from tests.random_more import add_more
+from tests.rare_scenes import RARE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -25,7 +27,7 @@ if TYPE_CHECKING:
     from tests.random_mechanisms import Driven
 
 COUNT = 50
-"""Scenes that have everything together."""
+"""Scenes that have together all that is drawn."""
 
 GRAVITIES: tuple[Vector, ...] = ((0, 0, 0), (0, 0, -9.81), (0, -9.81, 0), (3, 4, -8))
 
@@ -253,5 +255,6 @@ def random_scene(draw: random.Random, number: int | None = None) -> Tree:
 
 
 def numbered_scenes() -> list[Tree]:
-    """Scenes that have everything together, the same ones each time."""
-    return [random_scene(random.Random(number), number) for number in range(COUNT)]
+    """Scenes that have everything together, the same ones each time; written ones at the end."""
+    drawn = [random_scene(random.Random(number), number) for number in range(COUNT)]
+    return drawn + [tomllib.loads(text) for text in RARE]

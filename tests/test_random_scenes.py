@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kousoku.model.elements.forces import FORCES
+from kousoku.model.elements.joint import ANGLE
 from kousoku.model.elements.joints import NAMES
 from kousoku.model.errors import SceneError
 from kousoku.model.lowering.system import system_of
@@ -21,6 +22,7 @@ from kousoku.model.records.scene import Scene
 from kousoku.model.records.spatial import SOLIDS
 from tests.random_draft import LAWS, LOADS, UNITS
 from tests.random_scenes import COUNT, WANTED, numbered_scenes, random_scene
+from tests.rare_scenes import RARE
 
 if TYPE_CHECKING:
     import random
@@ -79,7 +81,7 @@ def test_every_formula_of_motion_is_there(table: str, templates: tuple[str, ...]
 
 def test_every_sort_of_driver_and_input_is_there() -> None:
     assert keys("drivers") == {"coordinate", "joint", "of", "value", "body", "point", "path"}
-    assert keys("inputs") == {"joint", "turns", "to", "rate", "acceleration"}
+    assert keys("inputs") == {"joint", "turns", "to", "rate", "acceleration", "from"}
     assert any("p" in str(driver.get("value")) for driver in elements("drivers"))
     assert keys("coordinates") == {
         "joint",
@@ -88,9 +90,15 @@ def test_every_sort_of_driver_and_input_is_there() -> None:
         "points",
         "body",
         "along",
+        "point",
         "near",
         "hold",
     }
+    every = {ANGLE, "second_angle", "displacement", "second_displacement"}
+    assert {one["of"] for one in elements("coordinates") if "of" in one} == every
+    assert "displacement" in {one.get("of") for one in elements("drivers")}
+    for table in ("forces", "events"):  # a distance, of more than one coordinate
+        assert re.search(r"x\^2 \+ y\^2", str([*elements(table)])), table
 
 
 def test_every_form_of_mass_and_start_is_there() -> None:
@@ -131,7 +139,7 @@ def test_the_same_number_gives_the_same_scene_and_others_give_others() -> None:
     assert all(one != other for one, other in pairwise(trees()))
 
 
-@pytest.mark.parametrize("number", range(COUNT))
+@pytest.mark.parametrize("number", range(COUNT + len(RARE)))
 def test_every_numbered_scene_is_accepted(number: int) -> None:
     system_of(scene_from_dict(trees()[number]))
 

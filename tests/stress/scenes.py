@@ -26,11 +26,13 @@ import kousoku as ks
 from kousoku.mechanism import Mechanism
 from kousoku.model.elements.event import ZeroCrossing
 from kousoku.model.elements.gear import Gear
+from kousoku.model.elements.joint import JointKind
 from kousoku.model.errors import KousokuError, MotionError, SceneError
 from kousoku.model.reading.write import toml_of
 from kousoku.runtime import run_ledger
 from kousoku.runtime.integrate import trust
 from kousoku.runtime.integrate.settings import KINEMATICS, Doubt
+from kousoku.runtime.run import GOES_ON
 from tests.random_draft import UNITS
 from tests.random_scenes import numbered_scenes, random_scene
 from tests.stress.comparing import Comparison, nodes, size_of
@@ -47,6 +49,9 @@ if TYPE_CHECKING:
 
 BATCH = 10
 """Random scenes of a case."""
+
+QUICK = (9, 54)
+"""Numbered scenes that the quick size asks: couplings, and forces and events of distances."""
 
 END, SAMPLES = 0.25, 6
 """A short motion [s], and its rows."""
@@ -123,11 +128,13 @@ STOPS = (
 
 
 def cases(size: Size) -> Iterator[str]:
-    """Name a case for each batch of random scenes, and one that Hypothesis draws."""
+    """Name a case for each batch of random scenes, each numbered one, and what Hypothesis draws."""
     number = size.examples(3, 1000)
     for batch in range(-(-number // BATCH)):
         of_batch = map(str, range(min(BATCH, number - batch * BATCH)))
         yield " ".join(["scene", str(size.seed), str(batch), *of_batch])
+    for k in range(len(numbered_scenes())) if size.is_full else QUICK:
+        yield f"numbered {k}"
     for batch in range(4 if size.is_full else 1):
         yield f"hypothesis {size.seed + batch} {25 if size.is_full else 2}"
 
@@ -372,9 +379,9 @@ def targets(tree: Tree, mechanism: Mechanism, outcome: Outcome, place: str) -> N
     for name, way in STEPS.items():
         if name == KINEMATICS and not solver.is_driven:
             continue
-        times = times_of(mechanism, way)
+        times, is_whole = times_of(mechanism, way)
         one, other = (target.simulate(times=times, **way) for target in (mechanism, in_numpy))
-        outcome.count(f"whole motions in C and NumPy, {name}", int(times[-1] == END))
+        outcome.count(f"whole motions in C and NumPy, {name}", int(is_whole))
         worst = max(units_apart(values, other[key]) for key, values in one.columns().items())
         outcome.count(f"scenes of the same bits in C and NumPy, {name}", int(worst == 0.0))
         outcome.measure(f"C and NumPy, {name} (units in the last place)", worst, place)
@@ -387,11 +394,12 @@ def units_allowed(text: str) -> float:
     return SAME if not IS_GLIBC and re.search(SINES, text) else 0.0
 
 
-def times_of(mechanism: Mechanism, way: dict[str, Any]) -> list[float]:
-    """Times of some rows within the first steps that are made in a way, and after the last."""
+def times_of(mechanism: Mechanism, way: dict[str, Any]) -> tuple[list[float], bool]:
+    """Times of rows within the first steps made in a way, and whether these are all it makes."""
     run = mechanism.begin([0.0, END], **way)
-    run.advance(MANY)
-    return [0.0, 0.4 * run.time, 0.99 * run.time, run.time]
+    while run.steps < MANY and run.advance(MANY - run.steps) in GOES_ON:
+        pass  # events tell themselves on the way
+    return [0.0, 0.4 * run.time, 0.99 * run.time, run.time], run.steps < MANY
 
 
 def units_apart(one: Any, other: Any) -> float:
@@ -411,6 +419,16 @@ def geared(factor: float) -> AbstractContextManager[object]:
         return right(self, name, other, coordinates)
 
     return patch.object(Gear, "combination", wrong)
+
+
+def sideways() -> AbstractContextManager[object]:
+    """Count second displacements along the first direction of a plane."""
+    right = JointKind.measure
+
+    def wrong(self: Any, joint: Any, sort: str, ends: Any) -> Any:
+        return right(self, joint, sort.removeprefix("second_") if "disp" in sort else sort, ends)
+
+    return patch.object(JointKind, "measure", wrong)
 
 
 def late() -> AbstractContextManager[object]:
@@ -478,6 +496,7 @@ QUESTION = Question(
     faults=(
         Fault("gears that turn the wrong way", partial(geared, -1.0), "numbered 9"),
         Fault("gears whose ratio is wrong in digit 11", partial(geared, 1 + 1e-11), "numbered 9"),
+        Fault("second displacements along the first direction", sideways, "numbered 50"),
         Fault("events that are late by 1e-10", late, "scene 2 1 8"),
         Fault("works that are wrong in digit 7", generous, "scene 2 0 2"),
         Fault("steps that NumPy alone rounds up", rounded_up, "scene 2 0 2"),
