@@ -146,6 +146,24 @@ def killed_before(number: int) -> Mishap:
     return lambda: sys.addaudithook(hear)
 
 
+def killed_behind(number: int) -> Mishap:
+    """Mishap that kills the process just after a change of a file, by its number."""
+    left = [number]
+
+    def hear(event: str, arguments: tuple[Any, ...]) -> None:
+        left[0] -= any(True for _ in _changes(event, arguments))
+
+    def returned(frame: object, event: str, function: object) -> None:
+        if left[0] < 0 and event == "c_return":  # what was heard has been done
+            os.kill(os.getpid(), signal.SIGKILL)
+
+    def prepare() -> None:
+        sys.addaudithook(hear)
+        sys.setprofile(returned)
+
+    return prepare
+
+
 def killed_after(size: int) -> Mishap:
     """Mishap that kills the process while it writes a file, after so many bytes."""
 

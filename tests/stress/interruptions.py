@@ -1,9 +1,9 @@
 """Processes at once, killed, and without room; runs that are cut, kept, and resumed elsewhere.
 
 What goes wrong goes wrong in forked processes, :mod:`tests.stress.children`: killed before each
-change of a file, or in the middle of writing one; no room from some change on, or for files of some
-size; a cache that nobody may write. After each, files are old or new, never half, and a process
-that is left alone does its work with the right result.
+change of a file, just after one, or in the middle of writing one; no room from some change on, or
+for files of some size; a cache that nobody may write. After each, files are old or new, never half,
+and a process that is left alone does its work with the right result.
 """
 
 from __future__ import annotations
@@ -250,6 +250,9 @@ def _mishap(kind: str, draw: random.Random, changes: int, place: Path, number: i
         return children.read_only(place / "cache"), "only the cache cannot be written"
     if kind == "read-only-out":
         return children.read_only(place, place / "cache"), "only the cache can be written"
+    if kind == "killed" and number % 3 == 2:
+        at = draw.randrange(max(changes, 1))
+        return children.killed_behind(at), f"killed behind change {at} of {changes} of files"
     if number % 2:
         size = int(MOST_BYTES ** draw.random())
         by_size = children.killed_after if kind == "killed" else children.full_after
@@ -539,6 +542,17 @@ def half_written() -> AbstractContextManager[object]:
     return patch.object(result, "_write", lambda path, data: path.write_bytes(data))
 
 
+def in_place() -> AbstractContextManager[object]:
+    """Write a whole copy beside a file, and then the file in its place."""
+
+    def replace(path: Path, target: Path) -> Path:
+        target.write_bytes(path.read_bytes())
+        path.unlink()
+        return target
+
+    return patch.object(Path, "replace", replace)
+
+
 def unlocked() -> AbstractContextManager[object]:
     """Let every process have the lock."""
     from kousoku.runtime import lock
@@ -583,6 +597,7 @@ QUESTION = Question(
     run=run,
     faults=(
         Fault("a writer that writes piece by piece", half_written, "full 1 run.npz 10"),
+        Fault("files written in place behind a whole copy", in_place, "killed 1 run.npz 24"),
         Fault("a lock that does not lock", unlocked, "together 1 0 6"),
         Fault("a run that forgets a count when resumed", forgetful, "resumed 1 0 4"),
         Fault("runs that NumPy alone rounds up", partial(rounded_up, 7), "resumed 1 0 1"),
