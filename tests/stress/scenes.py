@@ -23,6 +23,8 @@ from hypothesis import strategies as st
 from msgspec import structs
 
 import kousoku as ks
+from kousoku.codegen.dynamics.operations import own_frames
+from kousoku.codegen.dynamics.recording.matrix import stack
 from kousoku.mechanism import Mechanism
 from kousoku.model.elements.event import ZeroCrossing
 from kousoku.model.elements.gear import Gear
@@ -37,6 +39,7 @@ from tests.random_draft import UNITS
 from tests.random_scenes import numbered_scenes, random_scene
 from tests.stress.comparing import Comparison, nodes, size_of
 from tests.stress.kit import Disagreement, Fault, Outcome, Question, Size, falsify
+from tests.stress.own_kinds import kinds, pair
 from tests.stress.smaller import smallest
 
 if TYPE_CHECKING:
@@ -102,6 +105,10 @@ a step over it does not have, and each is zero for some place of the bend in the
 may be as far off as the verdict lets energies be. Beside it the same law, written so that steps end
 there: these motions are held to what smooth ones are."""
 
+OWN = 1e-9
+"""How far motions of the same mechanism may be from each other, and accelerations, whose rows are
+of other kinds: some tens of times what steps and rounding make of it."""
+
 IS_GLIBC = platform.libc_ver()[0] == "glibc"
 """Whether C and Python call the same sines."""
 
@@ -135,6 +142,8 @@ def cases(size: Size) -> Iterator[str]:
         yield " ".join(["scene", str(size.seed), str(batch), *of_batch])
     for k in range(len(numbered_scenes())) if size.is_full else QUICK:
         yield f"numbered {k}"
+    for number in range(size.fixed(1, 20)):
+        yield f"own {size.seed} {number}"
     for batch in range(4 if size.is_full else 1):
         yield f"hypothesis {size.seed + batch} {25 if size.is_full else 2}"
 
@@ -177,7 +186,25 @@ def searched(outcome: Outcome, seed: str, examples: str) -> None:
         outcome.findings.append(found[1].args[0])
 
 
+def of_own_kinds(outcome: Outcome, seed: str, number: str) -> None:
+    """Move a mechanism with a joint that is shipped, and with kinds of one's own that state it."""
+    place = f"own {seed} {number}"
+    shipped, own = pair(random.Random(place))
+    made: Any = [ks.load(tree, target="c", kinds=kinds()) for tree in (shipped, own)]
+    one, other = (one.simulate(END, samples=SAMPLES, **WAYS[BEST]) for one in made)
+    outcome.count("scenes of kinds of one's own")
+    off = apart(shipped, one, other)
+    outcome.measure("kinds of one's own and a shipped joint (m, rad)", off, place, OWN)
+    first, second = (
+        np.hstack([*run.acceleration.values(), *run.angular_acceleration.values()])
+        for run in (one, other)
+    )
+    off = size_of(first - second) / size_of(first)
+    outcome.measure("their accelerations (relative)", off, place, OWN)
+
+
 SORTS: dict[str, Callable[..., None]] = {
+    "own": of_own_kinds,
     "scene": drawn,
     "numbered": numbered,
     "hypothesis": searched,
@@ -475,6 +502,15 @@ def stopping() -> AbstractContextManager[object]:
     return patch.object(Mechanism, "simulate", wrong)
 
 
+def swapped() -> AbstractContextManager[object]:
+    """Let the frame of each body of a kind of one's own swing as that of the other."""
+
+    def wrong(graph: Any, parts: Any, *more: Any) -> Any:
+        return stack(graph, parts[::-1], *more)
+
+    return patch.object(own_frames, "stack", wrong)
+
+
 def rounded_up(first: int = 1) -> AbstractContextManager[object]:
     """Let NumPy round up what a step gives, by a unit in the last place, from some step on."""
     right = b"state.y[:] = work.y"
@@ -500,6 +536,7 @@ QUESTION = Question(
         Fault("events that are late by 1e-10", late, "scene 2 1 8"),
         Fault("works that are wrong in digit 7", generous, "scene 2 0 2"),
         Fault("steps that NumPy alone rounds up", rounded_up, "scene 2 0 2"),
+        Fault("kinds of one's own whose frames swing as others", swapped, "own 1 0"),
         Fault("verdicts that every force is too steep", too_steep, "scene 2 0 2"),
         Fault("motions that stop for no reason", stopping, "scene 2 0 2", "stopped for a reason"),
         Fault(
