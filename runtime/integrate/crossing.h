@@ -25,6 +25,11 @@
 /* a stage from which the end of a step is made is searched for a contact if its accelerations
  * change speeds by more than this part in the step: for less the error tells enough */
 #define PUSHED 0.1
+/* parts of a step at which events are asked, beside its ends, whether they are zero all along: no
+ * wave has its zeros there */
+#define EARLY 0.29
+#define MIDWAY 0.57
+#define LATE 0.81
 
 /* time of a stage, from a first one on, beyond a switch that its polynomial does not meet. Such a
  * stage is in a contact that the step leads over: the force there makes the polynomial useless. If
@@ -82,26 +87,31 @@ static void note_sides(const TimeNode *a, const Search *search, State *s, Work *
     }
 }
 
-/* notes which events a step starts short of, and which are no further from zero than the noise at
- * its start, middle and end, as energies that are kept: rounding tells their side, they do not
- * cross. Of a driven motion the polynomial is less exact than what is solved at both ends */
-static void note_short(const TimeNode *a, double end, Search *search, const State *s, Work *work)
+/* notes which events are no further from zero than the noise all along a step, as energies that are
+ * kept: rounding tells their side, they do not cross. Of a driven motion the polynomial is less
+ * exact than what is solved at both ends: there an event is flat, too */
+static void note_kept(double end, Search *search, const State *s, Work *work)
 {
-    const double middle_time = IS_DRIVEN ? end : 0.5 * (search->start + end);
-    const double times[3] = { search->start, middle_time, end };
-    int any = EVENTS > 0 && end != search->cut; /* of a cut it is known */
-    for (size_t k = 0; k != N_CROSSINGS; ++k) {
-        if (end != search->cut) search->is_at_zero[k] = (int)k < EVENTS;
-    }
-    for (int n = 0; n != 3 && any; ++n) {
+    const double parts[5] = { 0.0, 1.0, EARLY, MIDWAY, LATE };
+    for (size_t k = 0; k != N_CROSSINGS; ++k) search->is_at_zero[k] = (int)k < EVENTS;
+    for (int n = 0, any = EVENTS > 0; n != (IS_DRIVEN ? 2 : 5) && any; ++n) {
+        const double time = search->start + parts[n] * (end - search->start);
         TimeNode node;
-        node_with_noise(search->noise, times[n], search, s, work, &node);
         any = 0;
+        node_with_noise(search->noise, time, search, s, work, &node);
         for (size_t k = 0; k != EVENTS; ++k) {
-            search->is_at_zero[k] = search->is_at_zero[k] && side_at(&node, k) == 0;
+            const double *rate = work->w + W_FUNCTIONS + 4 * k + 2;
+            const int is_flat = !(IS_DRIVEN && (rate[0] > 0.0 || rate[1] < 0.0));
+            search->is_at_zero[k] = search->is_at_zero[k] && side_at(&node, k) == 0 && is_flat;
             any = any || search->is_at_zero[k];
         }
     }
+}
+
+/* notes which events a step starts short of */
+static void note_short(const TimeNode *a, double end, Search *search, const State *s, Work *work)
+{
+    if (end != search->cut) note_kept(end, search, s, work); /* of a cut it is known */
     for (size_t k = 0; k != N_CROSSINGS; ++k) {
         const int side = (int)s->sides[k];
         const int is_beyond = (int)k < EVENTS && side != 0 && side_at(a, k) == -side;
@@ -113,7 +123,7 @@ static void note_short(const TimeNode *a, double end, Search *search, const Stat
 static int are_crossed(
     size_t k, int side, const TimeNode *b, const Search *search, const State *s, Work *work)
 {
-    if (side == 0 || side_at(b, k) != -side || search->is_at_zero[k]) return 0;
+    if (side == 0 || side_at(b, k) != -side || (IS_DRIVEN && search->is_at_zero[k])) return 0;
     return !is_still_short(k, side, b->time, search, s, work);
 }
 

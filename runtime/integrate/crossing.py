@@ -62,6 +62,11 @@ HALF = 0.5
 #: A stage from which the end of a step is made is searched for a contact if its accelerations
 #: change speeds by more than this part in the step: for less the error tells enough.
 PUSHED = 0.1
+#: Parts of a step at which events are asked, beside its ends, whether they are zero all along: no
+#: wave has its zeros there.
+EARLY = 0.29
+MIDWAY = 0.57
+LATE = 0.81
 
 
 def stage_beyond(first: int, seen: float, search: Search) -> float:
@@ -104,29 +109,39 @@ def note_sides(a: TimeNode, search: Search) -> None:
     sides[events:n] = np.where(now == -sides[events:n], now, sides[events:n])
 
 
-def note_short(a: TimeNode, end: float, search: Search) -> None:
-    """Note which events a step starts short of, and which are zero all along.
+def note_kept(end: float, search: Search) -> None:
+    """Note which events are no further from zero than the noise all along a step.
 
-    These are no further from zero than the noise at its start, middle and end, as energies that are
-    kept: rounding tells their side, they do not cross. Of a driven motion the polynomial is less
-    exact than what is solved at both ends.
+    Energies that are kept are: rounding tells their side, they do not cross. Of a driven motion the
+    polynomial is less exact than what is solved at both ends: there an event is flat, too.
     """
-    sides, start, is_driven = search.state.sides, search.start, search.work.scene.is_driven
-    n, is_event = len(sides), np.arange(len(sides)) < len(search.work.scene.events)
+    n, start, is_driven = len(search.state.sides), search.start, search.work.scene.is_driven
+    search.is_at_zero = np.arange(n) < len(search.work.scene.events)
+    for part in (0.0, 1.0) if is_driven else (0.0, 1.0, EARLY, MIDWAY, LATE):
+        if not search.is_at_zero.any():
+            return
+        node = node_with_noise(search.noise, start + part * (end - start), search)
+        slowest, fastest = search.work.w.functions.reshape(-1, 4)[:n, 2:].T
+        is_flat = ~((slowest > 0.0) | (fastest < 0.0)) if is_driven else True
+        search.is_at_zero &= (side_at(node)[:n] == 0.0) & is_flat
+
+
+def note_short(a: TimeNode, end: float, search: Search) -> None:
+    """Note which events a step starts short of."""
+    sides = search.state.sides
     if end != search.cut:  # of a cut it is known
-        search.is_at_zero = is_event.copy()
-    for time in (start, end if is_driven else 0.5 * (start + end), end):
-        if end != search.cut and search.is_at_zero.any():
-            known = side_at(node_with_noise(search.noise, time, search))[:n]
-            search.is_at_zero &= known == 0.0
-    is_beyond = is_event & (sides != 0.0) & (side_at(a)[:n] == -sides)
+        note_kept(end, search)
+    is_event = np.arange(len(sides)) < len(search.work.scene.events)
+    is_beyond = is_event & (sides != 0.0) & (side_at(a)[: len(sides)] == -sides)
     search.is_short = is_beyond | search.is_at_zero
 
 
 def are_crossed(sides: Array, b: TimeNode, search: Search) -> Flags:
     """Whether functions that were on sides (functions,) are beyond zero at a node."""
     crosses: Flags = (sides != 0.0) & (side_at(b)[: len(sides)] == -sides)
-    return crosses & ~search.is_at_zero & ~is_still_short(sides, b.time, search)
+    if search.work.scene.is_driven:
+        crosses &= ~search.is_at_zero
+    return crosses & ~is_still_short(sides, b.time, search)
 
 
 def crossing_end(end: float, search: Search) -> float:

@@ -179,6 +179,11 @@ class Search:
     is_over: bool = False
     breaks: Array = field(init=False)
 
+    def __post_init__(self) -> None:
+        """Begin without events that are short of zero, or are zero all along."""
+        self.is_short = np.zeros(len(self.state.sides), dtype=bool)
+        self.is_at_zero = self.is_short
+
 
 def side_at(node: TimeNode) -> Array:
     """Side of zero of each function (functions,), 1 or -1, 0 where that is not known."""

@@ -319,6 +319,24 @@ def test_an_event_that_drivers_keep_at_zero_is_none(
         assert run.events["once"].count == (1 if law == "t" else 2)
 
 
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+@pytest.mark.parametrize("driver", ["", 'd = { coordinate = "x", value = "t" }'])
+@pytest.mark.parametrize(
+    ("when", "count"), [("(x - 1)*(x - 2)", 2), ("sin(pi*x)", 3), ("sin(4*pi*x)", 13)]
+)
+def test_events_at_both_ends_of_a_step_are_counted(
+    solver_of: Callable[..., Any], target: Any, driver: str, when: str, count: int
+) -> None:
+    """Steps end at rows and at events, between which others must not be taken for zero."""
+    text = SWING[: SWING.index("[forces]")].replace("parameters", "# ")
+    text += f"[drivers]\n{driver}\n" * bool(driver) + f'[events]\nany = {{ when = "{when}" }}\n'
+    solver = solver_of(text, target)
+    for method in ("kinematics" if driver else "dopri5", "dop853"):
+        run = solver.simulate(times=[0.0, 1.0, 2.0, 3.3], method=method)
+        assert run.events["any"].count == count
+
+
 def test_a_run_that_an_event_ends_says_so(solver_of: Callable[..., Any]) -> None:
     run = solver_of(SWING).simulate(30.0, samples=31)
     assert run.stopped_by == "late"
