@@ -30,7 +30,6 @@ from kousoku.model.operations.expression import (
     number,
     ordered,
     power,
-    replaced,
 )
 from kousoku.model.operations.graph import Op
 
@@ -387,6 +386,7 @@ def varying_parts(
     varies: dict[int, bool] = {}
     degrees: dict[int, Fraction] = {}
     made: list[Expression] = []
+    opened: dict[int, Expression] = {}  # what is looked into of a part that is times a slope
 
     def is_varying(formula: Expression) -> bool:
         made.append(formula)  # as long as it is there no other has its id
@@ -413,8 +413,11 @@ def varying_parts(
         is_whole = part.op is Op.POW or (part.op is Op.MUL and (changes or len(fast) != 1))
         if is_whole or not _is_transparent(part, varying):
             yield part, factor
-            terms = list(_hidden_terms(part, varying, is_varying))
-            stack.extend((term, factor) for term in reversed(terms))
+            inside = opened.get(id(part), part)
+            for term, slope in reversed([*_hidden_terms(inside, varying, is_varying)]):
+                made.append(mul(slope, term))
+                opened[id(made[-1])] = term
+                stack.append((made[-1], factor))
             continue
         if part.op in {Op.MUL, Op.DIV}:
             factor = apply(part.op, factor, *slow)
@@ -423,12 +426,12 @@ def varying_parts(
 
 def _hidden_terms(
     formula: Expression, varying: Collection[str], is_varying: Callable[[Expression], bool]
-) -> Iterator[Expression]:
+) -> Iterator[tuple[Expression, Expression]]:
     """Terms that vary fast beside others in arguments of functions, and in factors of products.
 
     Beside a constant, too: 1 + exp(-u²)/10 is large beside what its hill adds. Not where they may
     overflow, or be infinite while the function is not, as in the pulses 1/(exp(u) + exp(-u)) and
-    atan(u + 1/u²): the function is watched itself.
+    atan(u + 1/u²): the function is watched itself. With each comes the slope of its function.
     """
     for function in ordered(formula):
         if function.op is Op.MUL:  # what is multiplied by a constant is an argument itself
@@ -439,16 +442,16 @@ def _hidden_terms(
         else:
             arguments = [*function.args]
         for argument in arguments:
-            addends = [
-                (term, addend)
-                for scaled, addend in _addends(argument, varying)
-                for term in _distributed(scaled, is_varying)
-            ]
+            addends = []
+            for addend, others in _addends(argument, varying):
+                terms = _distributed(addend, is_varying)
+                for k, term in enumerate(terms):
+                    addends.append((term, add(others, *terms[:k], *terms[k + 1 :])))
             is_beside = len(addends) > 1 or _is_offset(function, argument, varying)
-            for term, addend in addends if is_beside else ():
+            for term, others in addends if is_beside else ():
                 is_finite = function.op not in COMPRESSING or not any(poles_of(term, varying))
                 if is_varying(term) and is_finite and not _grows(term, varying):
-                    yield mul(_slope_without(addend, function, argument), term)
+                    yield term, _slope_at(others, function, argument, varying)
 
 
 def _is_offset(function: Expression, argument: Expression, varying: Collection[str]) -> bool:
@@ -461,18 +464,20 @@ def _is_offset(function: Expression, argument: Expression, varying: Collection[s
     return is_divisor or function.op in {Op.COS, Op.ACOS}
 
 
-def _slope_without(addend: Expression, function: Expression, argument: Expression) -> Expression:
-    """Slope of a power or an exponential where an addend of its argument is zero, or one.
+def _slope_at(
+    others: Expression, function: Expression, argument: Expression, varying: Collection[str]
+) -> Expression:
+    """Slope of a power or an exponential where its argument is that; one of other functions.
 
-    Other functions are taken as if their slope was one.
+    One also where the slope may be infinite.
     """
-    others = replaced(argument, addend, ZERO, lambda op, args: apply(op, *args))
-    if function.op is Op.EXP:
-        return apply(Op.EXP, others)
     exponent = function.args[1].value if function.op is Op.POW else None
-    if exponent is None or exponent.denominator > 1 or argument is not function.args[0]:
-        return ONE
-    return mul(number(exponent), power(others, number(exponent - 1)))
+    slope = ONE
+    if function.op is Op.EXP:
+        slope = apply(Op.EXP, others)
+    elif exponent is not None and exponent.denominator == 1 and argument is function.args[0]:
+        slope = mul(number(exponent), power(others, number(exponent - 1)))
+    return ONE if any(poles_of(slope, varying)) else slope
 
 
 def _addends(
@@ -480,24 +485,26 @@ def _addends(
 ) -> Iterator[tuple[Expression, Expression]]:
     """Terms of a sum, also of one that is multiplied by a constant, or has a kink.
 
-    With each comes the part of the formula that it is without such constants.
+    With each comes what is left of the formula without it.
     """
     if formula.op in {Op.ADD, Op.NEG, Op.ABS, Op.MIN, Op.MAX}:
-        for arg in formula.args:
-            yield from _addends(arg, varying)
+        args = formula.args
+        for k, arg in enumerate(args):
+            for term, others in _addends(arg, varying):
+                yield term, apply(formula.op, *args[:k], others, *args[k + 1 :])
         return
     if formula.op in {Op.MUL, Op.DIV}:
         first, second = formula.args
         is_first, is_second = (_changes(arg, varying) for arg in (first, second))
         if is_first and not is_second:
-            for term, addend in _addends(first, varying):
-                yield apply(formula.op, term, second), addend
+            for term, others in _addends(first, varying):
+                yield apply(formula.op, term, second), apply(formula.op, others, second)
             return
         if is_second and not is_first and formula.op is Op.MUL:
-            for term, addend in _addends(second, varying):
-                yield mul(first, term), addend
+            for term, others in _addends(second, varying):
+                yield mul(first, term), mul(first, others)
             return
-    yield formula, formula
+    yield formula, ZERO
 
 
 def _grows(formula: Expression, varying: Collection[str]) -> bool:

@@ -92,6 +92,7 @@ LAWS = {
     "exponent": Law("exp(h)", lambda _, h: np.exp(h), is_curved=True),
     "radicand": Law("sqrt(1 + h)", lambda _, h: np.sqrt(1 + h), is_curved=True),
     "cosine": Law("cos(h)", lambda _, h: np.cos(h), is_curved=True),
+    "square": Law("(u*(2 + h))^2/400", lambda u, h: (u * (2 + h)) ** 2 / 400),
     "high_power": Law("1e-12*(u + h)^12", lambda u, h: 1e-12 * (u + h) ** 12),
 }
 NODES, WEIGHTS = leggauss(20)

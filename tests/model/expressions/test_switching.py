@@ -71,6 +71,10 @@ def test_a_jump_is_looked_for_in_what_roots_and_powers_divide_by() -> None:
         ("cos(m + sin(x))", ["sin(x)"]),
         ("1/(1 + m*exp(-(x^2)))", ["exp(-(x^2))"]),
         ("exp(m*exp(-(x^2)))", ["exp(-(x^2))"]),
+        ("(x*(2 + exp(-(x^2))))^2", ["2*(2*x)*(exp(-(x^2))*x)", "exp(-(x^2))"]),
+        ("(x + 3*exp(-(x^2)))^(-2)", ["exp(-(x^2))"]),  # not x^(-3) times that, which is infinite
+        ("sin(cos(x) + 1/(2 + cos(x)))", ["cos(x)", "1/(2 + cos(x))"]),
+        ("sin(cos(x) + 1/cos(x))", ["cos(x)", "1/cos(x)"]),
         ("exp(1 - exp((x - m)^2/2))", []),  # it grows
         ("exp(1 - exp((x - m)^2/(-2)))", ["exp((x - m)^2/(-2))"]),
         ("atan2(sin(x), cos(x))", []),
@@ -87,3 +91,9 @@ def test_what_varies_beside_others_in_an_argument_is_a_part_of_its_own(
     inner = {parse_expression(part, NAMES) for part in hidden}
     assert inner <= parts
     assert len(parts - inner) == (2 if text == "sin(x) + cos(y)" else 1)
+
+
+def test_the_parts_of_long_sums_are_no_more_than_their_terms() -> None:
+    """Slopes of exponentials were looked into in turn: as many parts as permutations."""
+    text = "exp(" + " + ".join(f"cos({k}*x + y)" for k in range(1, 13)) + ")"
+    assert len([*varying_parts(parse_expression(text, NAMES), {"x", "y"})]) < 40
