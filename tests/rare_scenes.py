@@ -91,4 +91,4 @@ RARE = tuple(
     f'name = "rare_{k}"{text}'.replace("BODY", BODY)
     for k, text in enumerate((PLANE, ALONG, FROM, POINT, DISTANCE))
 )
-"""They have all that is drawn nowhere."""
+"""Scenes that hold what random ones never do."""

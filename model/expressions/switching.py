@@ -213,9 +213,17 @@ def _unbounded_parts(formula: Expression) -> Iterator[Expression]:
 
 
 def summands(formula: Expression) -> Iterator[Expression]:
-    """Summands of a formula: a product may be finite where a factor is not."""
-    if formula.op in {Op.ADD, Op.NEG}:
-        yield from chain.from_iterable(map(summands, formula.args))
+    """Summands of a formula, but for their signs: a product may be finite where a factor is not."""
+    for term in _signed_summands(formula):
+        yield term.args[0] if term.op is Op.NEG else term
+
+
+def _signed_summands(formula: Expression) -> Iterator[Expression]:
+    """Summands of a formula with their signs."""
+    if formula.op is Op.ADD:
+        yield from chain.from_iterable(map(_signed_summands, formula.args))
+    elif formula.op is Op.NEG:
+        yield from map(neg, _signed_summands(formula.args[0]))
     else:
         yield formula
 
@@ -467,9 +475,9 @@ def _is_offset(function: Expression, argument: Expression, varying: Collection[s
 def _slope_at(
     others: Expression, function: Expression, argument: Expression, varying: Collection[str]
 ) -> Expression:
-    """Slope of a power or an exponential where its argument is that; one of other functions.
+    """Slope of a power or an exponential where its argument is the others' sum.
 
-    One also where the slope may be infinite.
+    Of other functions, and where the slope may be infinite, it is taken as one.
     """
     exponent = function.args[1].value if function.op is Op.POW else None
     slope = ONE
@@ -519,16 +527,6 @@ def _grows(formula: Expression, varying: Collection[str]) -> bool:
         if not (is_well or all(factor.op in BOUNDED for factor in waves)):
             return True
     return False
-
-
-def _signed_summands(formula: Expression) -> Iterator[Expression]:
-    """Summands of a formula with their signs."""
-    if formula.op is Op.ADD:
-        yield from chain.from_iterable(map(_signed_summands, formula.args))
-    elif formula.op is Op.NEG:
-        yield from map(neg, _signed_summands(formula.args[0]))
-    else:
-        yield formula
 
 
 def _sign(formula: Expression) -> int:

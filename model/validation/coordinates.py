@@ -41,9 +41,6 @@ TITLES = {
 }
 """Title of each sort in one line."""
 
-SECOND = "_ddot"
-"""Suffix of the column with the second derivative of a coordinate."""
-
 
 def check_coordinates(scene: Scene, problems: Problems) -> None:
     """Check names that formulas use, and coordinates.
@@ -77,11 +74,6 @@ def _check_name(scene: Scene, table: str, name: str) -> None:
     if name in taken:
         raise SceneError(
             f"the name {name!r} is {taken[name]} in formulas; choose another name", key=key
-        )
-    base = name.removesuffix(SECOND)
-    if table == "coordinates" and base != name and base in scene.coordinates:
-        raise SceneError(
-            f"the name {name!r} is a column of the motion already; choose another name", key=key
         )
     base = name.removesuffix(RATE)
     if base != name and base in scene.coordinates:

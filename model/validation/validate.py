@@ -38,6 +38,9 @@ MOST_CLOSURE = 0.01
 LONGEST_TITLE = 120
 """Characters of the longest title, which becomes one line of generated text."""
 
+SECOND = "_ddot"
+"""Suffix of the column with the second derivative of a coordinate."""
+
 
 def check(scene: Scene) -> tuple[str, ...]:
     """Check a scene, and say what is worth knowing before it is solved.
@@ -137,17 +140,20 @@ def _check_names(scene: Scene, problems: Problems) -> None:
             elif name in table_of:
                 problem = f"the name {name!r} is also in {table_of[name]}; wanted a name of its own"
                 problems.add(problem, element_key)
-            elif _is_column(scene, table, name):
-                problem = f"the name {name!r} is a column of the motion already"
+            elif problem := _column_problem(scene, table, name):
                 problems.add(f"{problem}; choose another name", element_key)
             table_of.setdefault(name, table)
 
 
-def _is_column(scene: Scene, table: str, name: str) -> bool:
-    """Whether the name of an element is that of a column, or begins names of the works' columns."""
-    if table in {"coordinates", "inputs"}:
-        return name == "time"
-    return name == "work" and table in {"bodies", "joints", "drivers"} and bool(scene.forces)
+def _column_problem(scene: Scene, table: str, name: str) -> str | None:
+    """Reason why a column of an element of such a name would hide another one of the motion."""
+    base = name.removesuffix(SECOND)
+    is_second = table == "coordinates" and base != name and base in scene.coordinates
+    if is_second or (name == "time" and table in {"coordinates", "inputs"}):
+        return f"the name {name!r} is a column of the motion already"
+    if name == "work" and table in {"bodies", "joints", "drivers"} and scene.forces:
+        return "columns 'work.…' are the works of forces"
+    return None
 
 
 def _check_settings(scene: Scene, problems: Problems) -> None:

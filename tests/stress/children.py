@@ -146,7 +146,7 @@ def killed_before(number: int) -> Mishap:
     return lambda: sys.addaudithook(hear)
 
 
-def killed_behind(number: int) -> Mishap:
+def killed_just_after(number: int) -> Mishap:
     """Mishap that kills the process just after a change of a file, by its number."""
     left = [number]
 
@@ -164,7 +164,7 @@ def killed_behind(number: int) -> Mishap:
     return prepare
 
 
-def killed_after(size: int) -> Mishap:
+def killed_at_size(size: int) -> Mishap:
     """Mishap that kills the process while it writes a file, after so many bytes."""
 
     def prepare() -> None:

@@ -30,7 +30,7 @@ from tests.stress.planar import (
     solution,
     units,
 )
-from tests.stress.scenes import HOLDS, stopping
+from tests.stress.scenes import HOLDS, NO_STEP, stopping
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -226,7 +226,7 @@ def judge(outcome: Outcome, family: str, case: str, scene: Scene, span: float) -
     try:
         run = ks.load(scene.tree, target="numpy").simulate(span, samples=3)
     except ks.KousokuError as error:
-        is_on_its_way = "no step can be taken: " in str(error)
+        is_on_its_way = NO_STEP in str(error)
         way = "stopped on its way, in words" if is_on_its_way else "refused"
         outcome.count(f"{family}: {way}")
         known = MAY_REFUSE.get(family, ())

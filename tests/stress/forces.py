@@ -23,6 +23,7 @@ from tests.stress import hidden_hills
 from tests.stress.force_laws import END, SPEED, Form
 from tests.stress.force_laws import FORMS as PLAIN_FORMS
 from tests.stress.kit import Fault, Outcome, Question, Size
+from tests.stress.scenes import STOPS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -111,8 +112,8 @@ class Asked:
             if not is_fixed:
                 tolerance = self.way.get("tolerance", 1e-9)
                 is_tight = self.gained > GAINED * tolerance * SPEED
-                is_told = any(reason in str(error) for reason in REASONS)
-                what = "stops" if is_tight and is_told else "stops at what is known"
+                is_told = any(reason in str(error) for reason in STOPS)
+                what = "stops" if is_tight and is_told else "stops for a reason that is not known"
                 self.tell(outcome, f"{what}, tolerance {tolerance:g}", str(error))
             return
         worst, where, is_missed = 0.0, "", False
@@ -204,8 +205,6 @@ TIGHT = (
     "when a force jumps is known no better than to the rounding of time, 2e-15 s; what the speed"
     " gains meanwhile is ten times what this tolerance allows and more, and the run says so"
 )
-#: Why a run may stop there.
-REASONS = ("no step can be taken", "steps are made and")
 #: A run may stop there if that is so many tolerances: of 218 that did it was 15 and more.
 GAINED = 10.0
 #: Forms that jump in time, or nearly, by how much for each of their height.

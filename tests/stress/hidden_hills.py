@@ -30,13 +30,14 @@ if TYPE_CHECKING:
 
 HILL = "size*exp(-((u - place)/width)^2)"
 CURVED = "size/(8*width)*exp(-((u - u^3/400 - place + place^3/400)/width)^2)"
-"""Hill of a function of u, whose bounds are loose, beside which it is low."""
+"""Hill of a cubic of u: bounds of it are loose, and it is low beside a constant."""
 ENERGY = 0.5 * SPEED * SPEED
-"""Of the cart at its start [J]."""
+"""Kinetic energy of the cart at its start [J]."""
 MOST_WORK = 0.4 * ENERGY
-"""What a force does at most, so that the cart goes on [J]."""
+"""Largest work of a force [J]: the cart never turns back."""
 LOSABLE = 0.1
-"""Part of the energy that is compared as one: a thousand tolerances of it are the verdict's."""
+"""Part of the energy that errors are relative to: a thousand tolerances of it are a hundred of all,
+which the verdict on energies lets a run lose."""
 MANY = 1000
 """Random runs of the full size: many share a compiled scene."""
 

@@ -252,10 +252,10 @@ def _mishap(kind: str, draw: random.Random, changes: int, place: Path, number: i
         return children.read_only(place, place / "cache"), "only the cache can be written"
     if kind == "killed" and number % 3 == 2:
         at = draw.randrange(max(changes, 1))
-        return children.killed_behind(at), f"killed behind change {at} of {changes} of files"
+        return children.killed_just_after(at), f"killed just after change {at} of {changes}"
     if number % 2:
         size = int(MOST_BYTES ** draw.random())
-        by_size = children.killed_after if kind == "killed" else children.full_after
+        by_size = children.killed_at_size if kind == "killed" else children.full_after
         return by_size(size), f"{kind} after {size} bytes of a file"
     at = draw.randrange(max(changes, 1))
     by_number = children.killed_before if kind == "killed" else children.full_from

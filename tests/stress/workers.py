@@ -66,12 +66,12 @@ def has_compiler() -> bool:
 
 def run_case(name: str, case: str) -> Answered:
     """Run a case here; without a compiler in reach one that needs it is not, and all count it."""
-    start, is_whole = sum(os.times()[:4]), has_compiler()
+    start, has_c = sum(os.times()[:4]), has_compiler()
     question: Question = import_module(f"tests.stress.{name}").QUESTION
-    is_asked = is_whole or not question.needs_compiler
+    is_asked = has_c or not question.needs_compiler
     with patch.dict(os.environ):  # what a case sets, the next one does not see
         outcome = question.run(case) if is_asked else Outcome()
-    if not is_whole:
+    if not has_c and NOT_ASKED not in outcome.counts:
         outcome.count(ASKED if is_asked else NOT_ASKED)
     return outcome, sum(os.times()[:4]) - start
 
