@@ -92,10 +92,10 @@ static void note_sides(const TimeNode *a, const Search *search, State *s, Work *
  * exact than what is solved at both ends: there an event is flat, too */
 static void note_kept(double end, Search *search, const State *s, Work *work)
 {
-    const double parts[5] = { 0.0, 1.0, EARLY, MIDWAY, LATE };
+    const double asked[5] = { 0.0, 1.0, EARLY, MIDWAY, LATE };
     for (size_t k = 0; k != N_CROSSINGS; ++k) search->is_at_zero[k] = (int)k < EVENTS;
     for (int n = 0, any = EVENTS > 0; n != (IS_DRIVEN ? 2 : 5) && any; ++n) {
-        const double time = search->start + parts[n] * (end - search->start);
+        const double time = search->start + asked[n] * (end - search->start);
         TimeNode node;
         any = 0;
         node_with_noise(search->noise, time, search, s, work, &node);
