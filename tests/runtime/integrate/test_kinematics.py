@@ -30,7 +30,7 @@ def state() -> Any:
     return SimpleNamespace(
         **{"time": 2.0, "step_size": 0.0, "largest_pivot_ratio": 1.0, "avoided": 0, "rejected": 0},
         **{"drift": 0.0, "untold": 0.0, "energy_moved": 0.0, "moved": 0.0},
-        **{"simpson": 0.0, "error": 0.0, "usual_ratio": 1.0, "is_near": 0.0},
+        **{"simpson": 0.0, "error": 0.0, "usual_ratio": 1.0, "is_near": 0.0, "sides": np.zeros(0)},
     )
 
 
