@@ -186,7 +186,7 @@ def breaks_of_law(law: Expression) -> Iterator[Expression]:
 
 def poles_of(formula: Expression, varying: Collection[str]) -> Iterator[Expression]:
     """Functions that are zero where a formula may be infinite, as far as it varies."""
-    for part in _unbounded_parts(formula):
+    for part in _unbounded_parts(formula, varying):
         singular = None
         if part.op in {Op.DIV, Op.LOG}:
             singular = _singular_function(part) or part.args[0]
@@ -201,7 +201,7 @@ def poles_of(formula: Expression, varying: Collection[str]) -> Iterator[Expressi
                 yield zero
 
 
-def _unbounded_parts(formula: Expression) -> Iterator[Expression]:
+def _unbounded_parts(formula: Expression, varying: Collection[str]) -> Iterator[Expression]:
     """Parts of a formula, but not the arguments of functions that are always bounded."""
     stack, seen = [formula], set()
     while stack:
@@ -209,7 +209,8 @@ def _unbounded_parts(formula: Expression) -> Iterator[Expression]:
         if id(part) not in seen:
             seen.add(id(part))
             yield part
-            stack.extend(() if part.op in BOUNDED else reversed(part.args))
+            is_bounded = part.op in BOUNDED or (part.op is Op.EXP and not _grows(part, varying))
+            stack.extend(() if is_bounded else reversed(part.args))
 
 
 def summands(formula: Expression) -> Iterator[Expression]:
@@ -304,6 +305,8 @@ def _range(part: Expression, args: Sequence[tuple[float, float]]) -> tuple[float
         case Op.EXP:
             return (0.0 if least > 0.0 else SMALLEST_SUBNORMAL), inf
         case Op.ABS | Op.SQRT:
+            return 0.0, inf
+        case Op.LOG if least >= 1.0:
             return 0.0, inf
         case Op.MUL if all(isfinite(end) for interval in args for end in interval):
             ends = [a * b for a in args[0] for b in args[1]]
@@ -457,9 +460,15 @@ def _hidden_terms(
                     addends.append((term, add(others, *terms[:k], *terms[k + 1 :])))
             is_beside = len(addends) > 1 or _is_offset(function, argument, varying)
             for term, others in addends if is_beside else ():
-                is_finite = function.op not in COMPRESSING or not any(poles_of(term, varying))
-                if is_varying(term) and is_finite and not _grows(term, varying):
+                if is_varying(term) and _is_watchable(term, function, varying):
                     yield term, _slope_at(others, function, argument, varying)
+
+
+def _is_watchable(term: Expression, function: Expression, varying: Collection[str]) -> bool:
+    """Whether a term in an argument is finite wherever the function is, and does not overflow."""
+    term = without_overflow(term)
+    is_finite = function.op not in COMPRESSING or not any(poles_of(term, varying))
+    return is_finite and not _grows(term, varying)
 
 
 def _is_offset(function: Expression, argument: Expression, varying: Collection[str]) -> bool:
@@ -522,23 +531,33 @@ def _grows(formula: Expression, varying: Collection[str]) -> bool:
         if exponent is None or not _changes(exponent, varying):
             continue
         terms = [x for x in _signed_summands(exponent) if _changes(x, varying)]
-        is_well = any(_sign(x) <= 0 and any(map(_is_even, _factors(x))) for x in terms)
-        waves = (x for x in chain(*map(_factors, terms)) if _changes(x, varying))
-        if not (is_well or all(factor.op in BOUNDED for factor in waves)):
+        is_well = any(_sign(x) <= 0 and any(map(_makes_well, _factors(x))) for x in terms)
+        if not (is_well or all(_is_bounded_above(x, varying) for x in terms)):
             return True
     return False
 
 
+def _makes_well(factor: Expression) -> bool:
+    """Whether a function is large on both sides; a logarithm of exponentials on that of each."""
+    return factor.op is Op.LOG_SUM or _is_even(factor)
+
+
+def _is_bounded_above(term: Expression, varying: Collection[str]) -> bool:
+    """Whether a product is one of bounded functions, or never positive (of a parameter: maybe)."""
+    factors = [x for x in _factors(term) if _changes(x, varying)]
+    is_negative = _sign(term) <= 0 and all(_sign(factor) > 0 for factor in factors)
+    return is_negative or all(factor.op in BOUNDED for factor in factors)
+
+
 def _sign(formula: Expression) -> int:
-    """Sign of a product, 0 where it is not known."""
+    """Sign of a product, which may be zero, too; 0 where it is not known."""
     match formula:
         case Expression(Op.MUL | Op.DIV, (a, b)):
             return _sign(a) * _sign(b)
         case Expression(Op.NEG, (a,)):
             return -_sign(a)
-        case Expression(value=Fraction() as value):
-            return (value > 0) - (value < 0)
-    return int(formula.op is Op.EXP or _is_even(formula))
+    least, most = range_of(formula)
+    return int(least >= 0.0 or _is_even(formula)) - int(most <= 0.0)
 
 
 def _is_even(part: Expression) -> bool:

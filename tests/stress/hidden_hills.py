@@ -28,9 +28,7 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
     Function = Callable[[Array], Array]
 
-HILL = "size*exp(-((u - place)/width)^2)"
-CURVED = "size/(8*width)*exp(-((u - u^3/400 - place + place^3/400)/width)^2)"
-"""Hill of a cubic of u: bounds of it are loose, and it is low beside a constant."""
+
 ENERGY = 0.5 * SPEED * SPEED
 """Kinetic energy of the cart at its start [J]."""
 MOST_WORK = 0.4 * ENERGY
@@ -40,6 +38,50 @@ LOSABLE = 0.1
 which the verdict on energies lets a run lose."""
 MANY = 1000
 """Random runs of the full size: many share a compiled scene."""
+
+
+class Hill(NamedTuple):
+    """Hill of a function of u, at a place, as scenes and as NumPy have it.
+
+    Parameters
+    ----------
+    argument : str
+        Function of u.
+    function : callable
+        Its value.
+    is_low : bool
+        Whether it is low beside a constant, whatever its width.
+    is_secant : bool
+        Whether it is a hyperbolic secant; else it is exp(-d²).
+    """
+
+    argument: str
+    function: Callable[[Array], Array]
+    is_low: bool = True
+    is_secant: bool = False
+
+    @property
+    def text(self) -> str:
+        """Formula of u, ``place``, ``width`` and ``size``."""
+        there = re.sub(r"\bu\b", "place", self.argument)
+        d = f"({self.argument} - ({there}))/width"
+        shape = f"2/(exp({d}) + exp(-{d}))" if self.is_secant else f"exp(-({d})^2)"
+        return f"size/(8*width)*{shape}" if self.is_low else f"size*{shape}"
+
+    def value(self, u: Array, place: float, width: float, size: float) -> Array:
+        """Value of the formula."""
+        d = (self.function(u) - self.function(np.array(place))) / width
+        if self.is_low:
+            size = size / (8.0 * width)
+        if self.is_secant:
+            return size / np.cosh(np.clip(d, -300.0, 300.0))
+        return size * np.exp(-(d**2))
+
+
+PLAIN = Hill("u", lambda u: u, is_low=False)
+CUBIC = "u - u^3/400", lambda u: u - u**3 / 400  # bounds of it are loose
+CURVED, SECANT = Hill(*CUBIC), Hill(*CUBIC, is_secant=True)
+RATIONAL = Hill("10*u/(5 + u)", lambda u: 10 * u / (5 + u))  # it has a pole
 
 
 class Law(NamedTuple):
@@ -53,19 +95,19 @@ class Law(NamedTuple):
         Of u and of the value of the hill there.
     kink : float
         Where it has one, but for the hill.
-    is_curved : bool
-        Whether its hill is one of a function of u.
+    hill : Hill
+        What h is.
     """
 
     formula: str
     value: Callable[[Array, Array], Array]
     kink: float = 0.0
-    is_curved: bool = False
+    hill: Hill = PLAIN
 
     @property
     def text(self) -> str:
         """Formula of u alone."""
-        return re.sub(r"\bh\b", CURVED if self.is_curved else HILL, self.formula)
+        return re.sub(r"\bh\b", self.hill.text, self.formula)
 
 
 LAWS = {
@@ -89,10 +131,14 @@ LAWS = {
     "angle": Law("atan2(u + 1 + h, 3)", lambda u, h: np.arctan2(u + 1 + h, 3)),
     "bell": Law("exp(-(u/3 - 1 + h)^2)", lambda u, h: np.exp(-((u / 3 - 1 + h) ** 2))),
     "product": Law("u*sin(u/3 + h)/9", lambda u, h: u * np.sin(u / 3 + h) / 9),
-    "divisor": Law("1/(1 + h)", lambda _, h: 1 / (1 + h), is_curved=True),
-    "exponent": Law("exp(h)", lambda _, h: np.exp(h), is_curved=True),
-    "radicand": Law("sqrt(1 + h)", lambda _, h: np.sqrt(1 + h), is_curved=True),
-    "cosine": Law("cos(h)", lambda _, h: np.cos(h), is_curved=True),
+    "divisor": Law("1/(1 + h)", lambda _, h: 1 / (1 + h), hill=CURVED),
+    "exponent": Law("exp(h)", lambda _, h: np.exp(h), hill=CURVED),
+    "radicand": Law("sqrt(1 + h)", lambda _, h: np.sqrt(1 + h), hill=CURVED),
+    "cosine": Law("cos(h)", lambda _, h: np.cos(h), hill=CURVED),
+    "divisor_of_quotient": Law("1/(1 + h)", lambda _, h: 1 / (1 + h), hill=RATIONAL),
+    "exponent_of_quotient": Law("exp(h)", lambda _, h: np.exp(h), hill=RATIONAL),
+    "divisor_of_secant": Law("1/(1 + h)", lambda _, h: 1 / (1 + h), hill=SECANT),
+    "exponent_of_secant": Law("exp(h)", lambda _, h: np.exp(h), hill=SECANT),
     "square": Law("(u*(2 + h))^2/400", lambda u, h: (u * (2 + h)) ** 2 / 400),
     "high_power": Law("1e-12*(u + h)^12", lambda u, h: 1e-12 * (u + h) ** 12),
 }
@@ -125,10 +171,8 @@ class Force:
     def __call__(self, u: Array) -> Array:
         """Value of the force."""
         place, width, size = (self.parameters[name] for name in ("place", "width", "size"))
-        away = u - place
-        if self.law.is_curved:
-            away, size = away - (u**3 - place**3) / 400.0, size / (8.0 * width)
-        return self.height * self.law.value(u, size * np.exp(-((away / width) ** 2)))
+        hill = self.law.hill.value(u, place, width, size)
+        return self.height * self.law.value(u, hill)
 
     def impulse(self, end: float) -> float:
         """Integral from 0 to an end, of intervals that grow from the hill and the kink on."""

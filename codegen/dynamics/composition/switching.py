@@ -81,7 +81,7 @@ class Enclosed:
         for measure in self.measures:
             rates[measure.name] = symbol(measure.rate)
             rates[measure.rate] = symbol(f"{measure.rate}{SECOND}")
-        substituted, sums = without_linear_sums(formula, rates)
+        substituted, sums = without_linear_sums(without_overflow(formula), rates)
         spans = dict(spans)
         for linear in sums:
             spans |= linear.bounds(TIME, rates, spans)

@@ -32,6 +32,8 @@ def test_a_square_with_a_sign_is_smooth_unless_it_is_divided(text: str, kinks: b
     [
         ("1/x", True),
         ("exp(1/x)", True),
+        ("exp(-(1/x)^2)", False),
+        ("exp(-(1/x))", True),
         ("tan(1/x)", True),
         ("y + x/abs(y/x)", True),
         ("atan(1/x)", False),
@@ -77,6 +79,14 @@ def test_a_jump_is_looked_for_in_what_roots_and_powers_divide_by() -> None:
         ("sin(cos(x) + 1/cos(x))", ["cos(x)", "1/cos(x)"]),
         ("exp(1 - exp((x - m)^2/2))", []),  # it grows
         ("exp(1 - exp((x - m)^2/(-2)))", ["exp((x - m)^2/(-2))"]),
+        ("exp(m*exp(-(m*x/(x + 5))^2))", ["exp(-(m*x/(x + 5))^2)"]),  # zero at the pole
+        ("1/(1 + m*exp(-(x/(x + 5))^2))", ["exp(-(x/(x + 5))^2)"]),
+        ("sin(x + exp(1 - sqrt(1 + x^2)))", ["sqrt(1 + x^2)", "exp(1 - sqrt(1 + x^2))"]),
+        ("sin(x + exp(-m*log(1 + x^2)))", ["log(1 + x^2)", "exp(-m*log(1 + x^2))"]),
+        ("1/(2 + 1/(exp(x) + exp(-x)))", ["1/(exp(x) + exp(-x))"]),
+        ("exp(1/(exp(x) + exp(-x)))", ["1/(exp(x) + exp(-x))"]),
+        ("sin(x + 1/(1 + exp(-m*x)))", ["1/(1 + exp(-m*x))"]),
+        ("atan(x + exp(-1/x))", []),  # it is infinite on one side
         ("atan2(sin(x), cos(x))", []),
         ("atan2(sin(x), m)", ["sin(x)"]),
         ("sin(x + y^2)", []),
