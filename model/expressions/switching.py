@@ -184,9 +184,14 @@ def breaks_of_law(law: Expression) -> Iterator[Expression]:
             yield from filter(may_be_zero, _sign_changing_factors(singular))
 
 
-def poles_of(formula: Expression, varying: Collection[str]) -> Iterator[Expression]:
-    """Functions that are zero where a formula may be infinite, as far as it varies."""
-    for part in _unbounded_parts(formula, varying):
+def poles_of(
+    formula: Expression, varying: Collection[str], *, in_divisors: bool = True
+) -> Iterator[Expression]:
+    """Functions that are zero where a formula may be infinite, as far as it varies.
+
+    Where a divisor is infinite the quotient is zero, but its bounds are lost.
+    """
+    for part in _unbounded_parts(formula, varying, in_divisors=in_divisors):
         singular = None
         if part.op in {Op.DIV, Op.LOG}:
             singular = _singular_function(part) or part.args[0]
@@ -201,7 +206,9 @@ def poles_of(formula: Expression, varying: Collection[str]) -> Iterator[Expressi
                 yield zero
 
 
-def _unbounded_parts(formula: Expression, varying: Collection[str]) -> Iterator[Expression]:
+def _unbounded_parts(
+    formula: Expression, varying: Collection[str], *, in_divisors: bool
+) -> Iterator[Expression]:
     """Parts of a formula, but not the arguments of functions that are always bounded."""
     stack, seen = [formula], set()
     while stack:
@@ -209,8 +216,14 @@ def _unbounded_parts(formula: Expression, varying: Collection[str]) -> Iterator[
         if id(part) not in seen:
             seen.add(id(part))
             yield part
-            is_bounded = part.op in BOUNDED or (part.op is Op.EXP and not _grows(part, varying))
-            stack.extend(() if is_bounded else reversed(part.args))
+            args = part.args
+            if part.op in BOUNDED or (part.op is Op.EXP and not _grows(part, varying)):
+                args = ()
+            elif not in_divisors and part.op is Op.DIV:
+                args = args[:1]
+            elif not in_divisors and part.op is Op.POW and _sign(args[1]) < 0:
+                args = ()
+            stack.extend(reversed(args))
 
 
 def summands(formula: Expression) -> Iterator[Expression]:
@@ -467,7 +480,8 @@ def _hidden_terms(
 def _is_watchable(term: Expression, function: Expression, varying: Collection[str]) -> bool:
     """Whether a term in an argument is finite wherever the function is, and does not overflow."""
     term = without_overflow(term)
-    is_finite = function.op not in COMPRESSING or not any(poles_of(term, varying))
+    may_be_infinite = any(poles_of(term, varying, in_divisors=False))
+    is_finite = function.op not in COMPRESSING or not may_be_infinite
     return is_finite and not _grows(term, varying)
 
 

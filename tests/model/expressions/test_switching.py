@@ -81,6 +81,8 @@ def test_a_jump_is_looked_for_in_what_roots_and_powers_divide_by() -> None:
         ("exp(1 - exp((x - m)^2/(-2)))", ["exp((x - m)^2/(-2))"]),
         ("exp(m*exp(-(m*x/(x + 5))^2))", ["exp(-(m*x/(x + 5))^2)"]),  # zero at the pole
         ("1/(1 + m*exp(-(x/(x + 5))^2))", ["exp(-(x/(x + 5))^2)"]),
+        ("exp(m/(1 + (x/(x + 5))^2))", ["m/(1 + (x/(x + 5))^2)"]),
+        ("exp(m*(1 + (x/(x + 5))^2)^(-1.5))", ["(1 + (x/(x + 5))^2)^(-1.5)"]),
         ("sin(x + exp(1 - sqrt(1 + x^2)))", ["sqrt(1 + x^2)", "exp(1 - sqrt(1 + x^2))"]),
         ("sin(x + exp(-m*log(1 + x^2)))", ["log(1 + x^2)", "exp(-m*log(1 + x^2))"]),
         ("1/(2 + 1/(exp(x) + exp(-x)))", ["1/(exp(x) + exp(-x))"]),
