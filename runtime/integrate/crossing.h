@@ -12,7 +12,7 @@
 #define SMALL 1e-3
 /* a function passes zero if it is at least this many times as large at FURTHER times the distance;
  * one that jumps there, or is infinite, is not */
-#define LARGER_THERE 1.5
+#define LARGER_THERE 1.1
 /* a step ends where a function that was near to zero takes a side, if that is within this part of
  * the step */
 #define SOON 0.1
@@ -26,10 +26,14 @@
  * change speeds by more than this part in the step: for less the error tells enough */
 #define PUSHED 0.1
 /* parts of a step at which events are asked, beside its ends, whether they are zero all along: no
- * wave has its zeros there */
-#define EARLY 0.29
-#define MIDWAY 0.57
-#define LATE 0.81
+ * wave has its zeros there, as these are irrational */
+#define EARLY 0.29289321881345254
+#define MIDWAY 0.5773502691896258
+#define LATE 0.816496580927726
+/* number of parts of a step in which bounds of such events are compared */
+#define COMPARED 16
+/* where bounds of an event are less than this many times those elsewhere it is flat there */
+#define FLAT 1e-6
 
 /* time of a stage, from a first one on, beyond a switch that its polynomial does not meet. Such a
  * stage is in a contact that the step leads over: the force there makes the polynomial useless. If
@@ -87,25 +91,55 @@ static void note_sides(const TimeNode *a, const Search *search, State *s, Work *
     }
 }
 
+/* whether bounds of functions are much closer to zero in a part of a step than in another */
+static void is_flat_in_part(
+    double end, const Search *search, const State *s, Work *work, int *are_flat)
+{
+    double least[ROOM(N_CROSSINGS)], most[ROOM(N_CROSSINGS)];
+    TimeNode a, b;
+    for (size_t k = 0; k != N_CROSSINGS; ++k) {
+        least[k] = HUGE_VAL;
+        most[k] = 0.0;
+    }
+    node_at(search->start, search, s, work, &a);
+    for (int n = 1; n <= COMPARED; ++n) {
+        const double part = (double)n / COMPARED;
+        const double time = search->start + part * (end - search->start);
+        node_at(n == COMPARED ? end : time, search, s, work, &b);
+        bound_functions(&a, &b, search, work->w);
+        for (size_t k = 0; k != N_CROSSINGS; ++k) {
+            const double *bounds = work->w + W_FUNCTIONS + 4 * k;
+            const double size = larger(fabs(bounds[0]), fabs(bounds[1]));
+            least[k] = smaller(least[k], size);
+            most[k] = larger(most[k], size);
+        }
+        a = b;
+    }
+    for (size_t k = 0; k != N_CROSSINGS; ++k) are_flat[k] = least[k] < FLAT * most[k];
+}
+
 /* notes which events are no further from zero than the noise all along a step, as energies that are
- * kept: rounding tells their side, they do not cross. Of a driven motion the polynomial is less
- * exact than what is solved at both ends: there an event is flat, too */
+ * kept: rounding tells their side, they do not cross. Not so an event that is flat in a part of the
+ * step only, as max(0, 1 - abs(x))*x: it may cross in another part */
 static void note_kept(double end, Search *search, const State *s, Work *work)
 {
     const double asked[5] = { 0.0, 1.0, EARLY, MIDWAY, LATE };
+    int partly[ROOM(N_CROSSINGS)], any = EVENTS > 0;
     for (size_t k = 0; k != N_CROSSINGS; ++k) search->is_at_zero[k] = (int)k < EVENTS;
-    for (int n = 0, any = EVENTS > 0; n != (IS_DRIVEN ? 2 : 5) && any; ++n) {
+    for (int n = 0; n != 5 && any; ++n) {
         const double time = search->start + asked[n] * (end - search->start);
         TimeNode node;
         any = 0;
         node_with_noise(search->noise, time, search, s, work, &node);
         for (size_t k = 0; k != EVENTS; ++k) {
-            const double *rate = work->w + W_FUNCTIONS + 4 * k + 2;
-            const int is_flat = !(IS_DRIVEN && (rate[0] > 0.0 || rate[1] < 0.0));
-            search->is_at_zero[k] = search->is_at_zero[k] && side_at(&node, k) == 0 && is_flat;
+            search->is_at_zero[k] = search->is_at_zero[k] && side_at(&node, k) == 0;
             any = any || search->is_at_zero[k];
         }
     }
+    if (!any) return;
+    is_flat_in_part(end, search, s, work, partly);
+    for (size_t k = 0; k != EVENTS; ++k)
+        search->is_at_zero[k] = search->is_at_zero[k] && !partly[k];
 }
 
 /* notes which events a step starts short of */
@@ -123,7 +157,7 @@ static void note_short(const TimeNode *a, double end, Search *search, const Stat
 static int are_crossed(
     size_t k, int side, const TimeNode *b, const Search *search, const State *s, Work *work)
 {
-    if (side == 0 || side_at(b, k) != -side || (IS_DRIVEN && search->is_at_zero[k])) return 0;
+    if (side == 0 || side_at(b, k) != -side) return 0;
     return !is_still_short(k, side, b->time, search, s, work);
 }
 
@@ -322,12 +356,15 @@ static int is_thrown_back(size_t k, double end, const Search *search, State *s, 
 /* notes what a step that is kept has crossed: one that was cut, also what is at zero there */
 static void note_crossings(double end, const Search *search, State *s, Work *work)
 {
+    int goes_on[ROOM(EVENTS)]; /* at zero, and then to either side */
     TimeNode last, known;
     node_at(end, search, s, work, &last);
     node_with_noise(search->noise, end, search, s, work, &known);
+    for (size_t k = 0; k != EVENTS; ++k) goes_on[k] = is_flat(&known, k, work->w);
     for (size_t k = 0; k != N_CROSSINGS; ++k) {
         const int side = (int)s->sides[k], now = side_at(&last, k);
-        const int is_near = now == 0 || side_at(&known, k) == 0;
+        const int is_open = (int)k >= EVENTS || !goes_on[k];
+        const int is_near = is_open && (now == 0 || side_at(&known, k) == 0);
         const int is_there = is_near && end == search->cut && search->was_crossing[k];
         const int is_back = now == -side && !is_still_short(k, side, end, search, s, work);
         if (side == 0 || !(is_back || is_there)) continue;

@@ -18,6 +18,10 @@
 /* motion of bodies in half a step, in lengths of the scene or radians, up to which it is not
  * shortened any more to find a singular configuration */
 #define FINEST_WAY 1e-6
+/* error of rates in the middle of a step, in units of what the cubic polynomial is off there */
+#define SLOPE_OF_ERROR 8.0
+/* power of the excess of an error of sixth order by which a step is made shorter */
+#define SIXTH (-1.0 / 6.0)
 /* safety factor of the length of a step that is just smooth enough, or that just sums works to the
  * tolerance */
 #define NEXT_STEP_SAFETY 0.9
@@ -384,13 +388,43 @@ static void note_ratios(double ratio, double end, int is_deep, State *s, const W
     s->usual_ratio = larger(s->usual_ratio, s->position_ratio);
 }
 
+/* up to which time a step may be so long that its polynomial tells of all events. It meets the
+ * position in the middle: the error that is left, of sixth order, goes with the square of what the
+ * cubic polynomial is off there, relative to the motion */
+static double exact_end(double end, const Search *search, State *s, Work *work)
+{
+    const Position half = position_at(0, work);
+    const double h = search->h, time = search->start + 0.5 * h;
+    double cubic[ROOM(N_READ)], known[ROOM(N_READ)], excess = 0.0;
+    read_at(time, search, s, work, cubic);
+    add_middle_rows(h, half.y, half.f, s);
+    if (EVENTS == 0 || way_of(h, s->y, position_at(1, work).y) <= FINEST_WAY) return end;
+    read_of(time, half.y, work, known);
+    for (size_t k = 0; k != N_MEASURES; ++k) {
+        const double rate = fabs(known[2 * k + 1] - cubic[2 * k + 1]);
+        const double change = h * search->second_bound[k];
+        const double left[2] = { fabs(known[2 * k] - cubic[2 * k]) + h * rate,
+            SLOPE_OF_ERROR * rate };
+        const double moved[2] = { h * larger(fabs(cubic[2 * k + 1]), change), change };
+        for (int n = 0; n != 2; ++n) {
+            const double part = left[n] < moved[n] ? left[n] / moved[n] : 1.0;
+            excess = larger(left[n] * part / search->noise[2 * k + n], excess);
+        }
+    }
+    if (!(excess > 1.0)) return end;
+    return search->start + h * larger(LEAST_STEP_FACTOR, NEXT_STEP_SAFETY * pow(excess, SIXTH));
+}
+
 /* where a position to an end must be, so that forces between are resolved, and events; one that
  * leaps over a place stays where it is */
 static double watched_end(
     const Settings *settings, double end, double part, Search *search, State *s, Work *work)
 {
     const Position last = position_at(1, work);
-    begin_search(settings, methods, 0, end - s->time, last.y, s->f, last.f, search, s, work);
+    const Method *m = methods + METHODS - 1;
+    begin_search(settings, m, 0, end - s->time, last.y, s->f, last.f, search, s, work);
+    const double exact = part <= 1.0 ? exact_end(end, search, s, work) : end;
+    if (exact < end) return exact;
     const double seen = crossing_end(end, search, s, work);
     const int is_cut = seen < end && part <= 1.0;
     const double resolved = N_NARROW > 0 ? resolved_end(is_cut ? seen : end, search, s, work) : end;

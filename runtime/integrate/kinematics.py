@@ -11,7 +11,7 @@ from .arithmetic import larger, smaller
 from .branch_watch import LEVEL_RATIO_PART, meeting_part
 from .branches import BRANCH_LOST, ON_BRANCH, follow_branch, note_branch
 from .crossing import ONWARD, STRETCH_TO_END, crossing_end, note_crossings, why_stopped
-from .dense_output import hermite_cubic
+from .dense_output import add_middle_rows, hermite_cubic
 from .methods import METHODS
 from .motion_scales import energy_balance, energy_moved, energy_of_works, note_motion, note_moved
 from .pivot_monitor import (
@@ -27,7 +27,7 @@ from .pivot_monitor import (
 from .poles import end_before_pole
 from .projection import project, ratio_at
 from .row_switch import check_misses, forget_trials, note_misses
-from .search import SMALLEST, Search, begin_search, cut_at, note_unresolved
+from .search import SMALLEST, Search, begin_search, cut_at, note_unresolved, read_at, read_of
 from .settings import Status
 from .step_error import LEAST_STEP_FACTOR
 from .variation import FINEST, resolved_end
@@ -58,6 +58,10 @@ LONGEST_WAY = 0.6
 #: Motion of bodies in half a step, in lengths of the scene or radians, up to which it is not
 #: shortened any more to find a singular configuration.
 FINEST_WAY = 1e-6
+#: Error of rates in the middle of a step, in units of what the cubic polynomial is off there.
+SLOPE_OF_ERROR = 8.0
+#: Power of the excess of an error of sixth order by which a step is made shorter.
+SIXTH = -1.0 / 6.0
 #: Safety factor of the length of a step that is just smooth enough, or that just sums works to the
 #: tolerance.
 NEXT_STEP_SAFETY = 0.9
@@ -456,13 +460,45 @@ def note_ratios(ratio: float, end: float, state: State, work: Work, *, is_deep: 
     state.usual_ratio = larger(state.usual_ratio, state.position_ratio)
 
 
+def exact_end(end: float, search: Search) -> float:
+    """Time [s] up to which a step may be so long that its polynomial tells of all events.
+
+    It meets the position in the middle. The error that is left, of sixth order, goes with the
+    square of what the cubic polynomial is off there, relative to the motion.
+    """
+    state, work, h = search.state, search.work, search.h
+    half, time = position_at(0, work), search.start + 0.5 * h
+    cubic = read_at(time, search)
+    add_middle_rows(h, half.y, half.f, state)
+    is_short = work.w.way_of(h, state.y, position_at(1, work).y) <= FINEST_WAY
+    if len(state.counts) == 0 or is_short:
+        return end
+    off = np.abs(read_of(time, half.y, work.w) - cubic)
+    values = off[:, 0] + h * off[:, 1]
+    rates = SLOPE_OF_ERROR * off[:, 1]
+    fastest = np.maximum(np.abs(cubic[:, 1]), h * search.second_bound)
+    excess = 0.0
+    for left, moved, noise in (
+        (values, h * fastest, search.noise[:, 0]),
+        (rates, h * search.second_bound, search.noise[:, 1]),
+    ):
+        part = np.where(left < moved, left / np.where(moved > 0.0, moved, 1.0), 1.0)
+        excess = larger(float(np.max(left * part / noise, initial=0.0)), excess)
+    if not excess > 1.0:
+        return end
+    return search.start + h * larger(LEAST_STEP_FACTOR, NEXT_STEP_SAFETY * excess**SIXTH)
+
+
 def watched_end(s: Settings, end: float, part: float, search: Search) -> float:
     """Time [s] at which a position to an end must be, to resolve forces between, and events.
 
     One that leaps over a place stays where it is.
     """
     last = position_at(1, search.work)
-    begin_search(s, METHODS[0], end - search.state.time, last.y, last.f, search, has_stages=False)
+    begin_search(s, METHODS[-1], end - search.state.time, last.y, last.f, search, has_stages=False)
+    exact = exact_end(end, search) if part <= 1.0 else end
+    if exact < end:
+        return exact
     seen = crossing_end(end, search)
     is_cut = seen < end and part <= 1.0
     resolved = (

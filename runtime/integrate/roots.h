@@ -65,8 +65,8 @@ static double time_of(size_t k, const TimeNode *a, const TimeNode *b, const Sear
         const double time = 0.5 * (first + last);
         if (!(first < time && time < last)) break;
         node_with_noise(noise, time, search, s, work, &node);
-        const int is_behind = (int)k < EVENTS ? side * middle(&node, k) <= 0.0
-                                              : side_at(&node, k) == -side;
+        const int is_there = side * middle(&node, k) <= 0.0 && !is_flat(&node, k, work->w);
+        const int is_behind = (int)k < EVENTS ? is_there : side_at(&node, k) == -side;
         if (is_behind) last = time;
         else first = time;
     }

@@ -157,6 +157,13 @@ static int side_at(const TimeNode *node, size_t k)
     return (node->least[k] > 0.0) - (node->most[k] < 0.0);
 }
 
+/* whether a function is zero all about a node, which was evaluated last */
+static int is_flat(const TimeNode *node, size_t k, const double *w)
+{
+    const double *rate = w + W_FUNCTIONS + 4 * k + 2;
+    return node->least[k] == 0.0 && node->most[k] == 0.0 && rate[0] == 0.0 && rate[1] == 0.0;
+}
+
 /* the size of a second derivative at a time of a step, but for what rounding makes of it */
 static double second_at(size_t k, double time, const Search *search)
 {

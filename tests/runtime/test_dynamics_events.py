@@ -337,6 +337,62 @@ def test_events_at_both_ends_of_a_step_are_counted(
         assert run.events["any"].count == count
 
 
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+@pytest.mark.parametrize(
+    ("when", "law", "samples", "at"),
+    [
+        ("x - 1 + 1e-6", "sin(t)", 11, [math.pi / 2 - 2**0.5 * 1e-3, math.pi / 2 + 2**0.5 * 1e-3]),
+        ("x_dot + 1 - 1e-6", "sin(t)", 2, [math.pi - 2**0.5 * 1e-3, math.pi + 2**0.5 * 1e-3]),
+        ("sin(pi*x)^3", "t", 2, [1.0, 2.0, 3.0, 4.0]),
+        ("sin(pi*x)^3", "t", 6, [1.0, 2.0, 3.0, 4.0]),
+        ("sin(x)*(1 - cos(x))", "2*pi*t", 11, [0.5 * k for k in range(1, 10)]),
+        ("max(0, x - 1)*max(0, 4 - x)*cos(3*x)", "t", 2,
+         [math.pi / 2, math.pi * 5 / 6, math.pi * 7 / 6]),
+        ("tan(3*x)", "t", 2, [math.pi / 3, math.pi * 2 / 3, math.pi, math.pi * 4 / 3]),
+        ("tan(pi*x - pi/2)", "t", 6, [0.5, 1.5, 2.5, 3.5, 4.5]),
+        ("max(0, 0.1 - abs(x - 2.1))*(x - 2.1)", "", 6, [2.1]),
+        ("max(0, t - 2)*max(0, 2.2 - t)*(x - 2.1)", "", 2, [2.1]),
+        ("exp(-((x - 2)/0.01)^2)*(x - 2)", "", 2, [2.0]),
+        ("max(0, sin(x) - 0.8) - max(0, -0.8 - sin(x))", "", 2, [math.pi + math.asin(0.8)]),
+        ("sign(x - 2.3)*abs(x - 2.3)^(1/6)", "", 2, [2.3]),
+    ],
+)  # fmt: skip
+def test_no_event_is_lost_where_polynomials_are_vague_or_formulas_flat(
+    solver_of: Callable[..., Any], target: Any, when: str, law: str, samples: int, at: list[float]
+) -> None:
+    """Peaks of driven motions, poles, gates: 0 to half of them were found, or at other places."""
+    text = SWING[: SWING.index("[forces]")].replace("parameters", "# ")
+    text += f'[drivers]\nd = {{ coordinate = "x", value = "{law}" }}\n' * bool(law)
+    solver = solver_of(text + f'[events]\nany = {{ when = "{when}" }}\n', target)
+    run = solver.simulate(4.9, samples=samples)
+    assert run.events["any"].time == pytest.approx(at, abs=1e-6)
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+def test_an_event_that_is_zero_for_a_while_is_where_it_leaves_zero(
+    solver_of: Callable[..., Any], target: Any
+) -> None:
+    """Trials thrown off by a wall "crossed" where the formula is zero: 4 events for 2."""
+    text = SWING[: SWING.index("[forces]")].replace("parameters", "# ")
+    text += '[forces]\nwall = { type = "along", coordinate = "x", force = "-1e5*max(0, x - 1)" }\n'
+    text += '[events]\nband = { when = "max(0, 0.2 - x) - max(0, x - 0.8)" }\n'
+    run = solver_of(text, target).simulate(2.5, samples=101)
+    contact = math.pi / math.sqrt(1e5)
+    assert run.events["band"].time == pytest.approx([0.8, 1.8 + contact], abs=1e-6)
+
+
+@pytest.mark.parametrize("step", [1.0, 0.5])
+def test_steps_that_are_multiples_of_a_wave_lose_none_of_its_zeros(
+    solver_of: Callable[..., Any], step: float
+) -> None:
+    """Asked at hundredths of a step, a wave of 100 zeros was taken for one that is zero."""
+    text = SWING[: SWING.index("[forces]")].replace("parameters", "# ")
+    solver = solver_of(text + '[events]\nany = { when = "sin(200*pi*x)" }\n', "c")
+    assert solver.simulate(4.0025, samples=2, step=step).events["any"].count == 800
+
+
 def test_a_run_that_an_event_ends_says_so(solver_of: Callable[..., Any]) -> None:
     run = solver_of(SWING).simulate(30.0, samples=31)
     assert run.stopped_by == "late"

@@ -23,7 +23,9 @@ from .search import (
     TimeNode,
     bound_functions,
     evaluate_node,
+    is_flat,
     is_still_short,
+    largest,
     middle,
     node_at,
     node_with_noise,
@@ -32,6 +34,7 @@ from .search import (
     read_at,
     read_of,
     side_at,
+    smallest,
 )
 from .settings import ACTIONS, Status
 
@@ -49,7 +52,7 @@ ONWARD = 8.0
 SMALL = 1e-3
 #: A function passes zero if it is at least this many times as large at FURTHER times the distance;
 #: one that jumps there, or is infinite, is not.
-LARGER_THERE = 1.5
+LARGER_THERE = 1.1
 #: A step ends where a function that was near to zero takes a side, if that is within this part of
 #: the step.
 SOON = 0.1
@@ -63,10 +66,14 @@ HALF = 0.5
 #: change speeds by more than this part in the step: for less the error tells enough.
 PUSHED = 0.1
 #: Parts of a step at which events are asked, beside its ends, whether they are zero all along: no
-#: wave has its zeros there.
-EARLY = 0.29
-MIDWAY = 0.57
-LATE = 0.81
+#: wave has its zeros there, as these are irrational.
+EARLY = 0.29289321881345254
+MIDWAY = 0.5773502691896258
+LATE = 0.816496580927726
+#: Number of parts of a step in which bounds of such events are compared.
+COMPARED = 16
+#: Where bounds of an event are less than this many times those elsewhere it is flat there.
+FLAT = 1e-6
 
 
 def stage_beyond(first: int, seen: float, search: Search) -> float:
@@ -112,18 +119,34 @@ def note_sides(a: TimeNode, search: Search) -> None:
 def note_kept(end: float, search: Search) -> None:
     """Note which events are no further from zero than the noise all along a step.
 
-    Energies that are kept are: rounding tells their side, they do not cross. Of a driven motion the
-    polynomial is less exact than what is solved at both ends: there an event is flat, too.
+    Energies that are kept are: rounding tells their side, they do not cross. Not so an event that
+    is flat in a part of the step only, as max(0, 1 - abs(x))*x: it may cross in another part.
     """
-    n, start, is_driven = len(search.state.sides), search.start, search.work.scene.is_driven
+    n, start = len(search.state.sides), search.start
     search.is_at_zero = np.arange(n) < len(search.work.scene.events)
-    for part in (0.0, 1.0) if is_driven else (0.0, 1.0, EARLY, MIDWAY, LATE):
+    for part in (0.0, 1.0, EARLY, MIDWAY, LATE):
         if not search.is_at_zero.any():
             return
         node = node_with_noise(search.noise, start + part * (end - start), search)
-        slowest, fastest = search.work.w.functions.reshape(-1, 4)[:n, 2:].T
-        is_flat = ~((slowest > 0.0) | (fastest < 0.0)) if is_driven else True
-        search.is_at_zero &= (side_at(node)[:n] == 0.0) & is_flat
+        search.is_at_zero &= side_at(node)[:n] == 0.0
+    if search.is_at_zero.any():
+        search.is_at_zero &= ~is_flat_in_part(end, search)
+
+
+def is_flat_in_part(end: float, search: Search) -> Flags:
+    """Whether bounds of functions are much closer to zero in a part of a step than in another."""
+    n, start = len(search.state.sides), search.start
+    least, most = np.full(n, math.inf), np.zeros(n)
+    a = node_at(start, search)
+    for k in range(COMPARED):
+        b = node_at(
+            end if k + 1 == COMPARED else start + (k + 1) / COMPARED * (end - start), search
+        )
+        low, high = np.abs(bound_functions(a, b, search)[:2, :n])
+        size = largest(low, high)
+        least, most, a = smallest(least, size), largest(most, size), b
+    flat: Flags = least < FLAT * most
+    return flat
 
 
 def note_short(a: TimeNode, end: float, search: Search) -> None:
@@ -139,8 +162,6 @@ def note_short(a: TimeNode, end: float, search: Search) -> None:
 def are_crossed(sides: Array, b: TimeNode, search: Search) -> Flags:
     """Whether functions that were on sides (functions,) are beyond zero at a node."""
     crosses: Flags = (sides != 0.0) & (side_at(b)[: len(sides)] == -sides)
-    if search.work.scene.is_driven:
-        crosses &= ~search.is_at_zero
     return crosses & ~is_still_short(sides, b.time, search)
 
 
@@ -324,7 +345,10 @@ def note_crossings(end: float, search: Search) -> None:
     """Note crossings of a step that is kept; of one that was cut, also zeros at its end."""
     state, events = search.state, search.work.scene.events
     sides, now = state.sides.copy(), side_at(node_at(end, search))
-    is_near = (now == 0.0) | (side_at(node_with_noise(search.noise, end, search)) == 0.0)
+    known = node_with_noise(search.noise, end, search)
+    flat = is_flat(known, search.work.w)
+    is_near = (now == 0.0) | (side_at(known) == 0.0)
+    is_near[: len(events)] &= ~flat[: len(events)]  # it may go on to either side
     is_back = (now[: len(sides)] == -sides) & ~is_still_short(sides, end, search)
     for k, side in enumerate(sides.tolist()):
         is_there = is_near[k] and end == search.cut and search.was_crossing[k]

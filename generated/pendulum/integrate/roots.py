@@ -16,6 +16,7 @@ from .search import (
     Search,
     TimeNode,
     half_width,
+    is_flat,
     is_still_short,
     largest,
     middle,
@@ -81,8 +82,8 @@ def is_isolated(sides: Array, a: TimeNode, b: TimeNode, bounds: Array, search: S
 def time_of(k: int, a: TimeNode, b: TimeNode, search: Search) -> float:
     """Time [s] between two nodes at which a crossing function first does so.
 
-    An event is zero at this time; any other function is beyond zero, so that all that follows is on
-    the other side.
+    An event is zero at this time, or leaves zero where it has been there for a while; any other
+    function is beyond zero, so that all that follows is on the other side.
     """
     side, first, last = -float(side_at(b)[k]), a.time, b.time
     is_event, noise = k < len(search.work.scene.events), noise_of(k, search).copy()
@@ -97,7 +98,10 @@ def time_of(k: int, a: TimeNode, b: TimeNode, search: Search) -> float:
         if not first < time < last:
             break
         node = node_with_noise(noise, time, search)
-        if side * middle(node)[k] <= 0.0 if is_event else side_at(node)[k] == -side:
+        is_beyond = side_at(node)[k] == -side
+        if is_event:
+            is_beyond = side * middle(node)[k] <= 0.0 and not is_flat(node, search.work.w)[k]
+        if is_beyond:
             last = time
         else:
             first = time

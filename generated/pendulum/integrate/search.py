@@ -200,6 +200,12 @@ def half_width(node: TimeNode) -> Array:
     return np.multiply(0.5, node.most - node.least)
 
 
+def is_flat(node: TimeNode, w: Workspace) -> Flags:
+    """Whether functions are zero all about a node, which was evaluated last."""
+    are_zero: Flags = (node.least == 0.0) & (node.most == 0.0)
+    return are_zero & ~w.functions.reshape(-1, 4)[:, 2:].any(axis=1)
+
+
 def read_of(time: float, y: Array, w: Workspace) -> Array:
     """Values and rates (n, 2) that formulas read of y (ny,) at a time [s]; rates per second."""
     w.place(time, y)
