@@ -181,7 +181,8 @@ static double crossing_end(double end, Search *search, State *s, Work *work)
         int is_known = 1, any = 0, is_lost = 0, may_be_infinite = 0;
         node_at(a.time + STRETCH_TO_END * width < end ? a.time + width : end, search, s, work, &b);
         for (size_t k = 0; k != N_CROSSINGS; ++k) {
-            if (s->sides[k] == 0.0) s->sides[k] = side_at(&a, k);
+            /* else the polynomial may be thrown off */
+            if (search->is_kept && s->sides[k] == 0.0) s->sides[k] = side_at(&a, k);
             const int side = (int)s->sides[k];
             search->crosses[k] = are_crossed(k, side, &b, search, s, work);
             if (N_POLES > 0 && (int)k >= N_SWITCHING) {

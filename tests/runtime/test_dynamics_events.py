@@ -378,9 +378,13 @@ def test_an_event_that_is_zero_for_a_while_is_where_it_leaves_zero(
     text = SWING[: SWING.index("[forces]")].replace("parameters", "# ")
     text += '[forces]\nwall = { type = "along", coordinate = "x", force = "-1e5*max(0, x - 1)" }\n'
     text += '[events]\nband = { when = "max(0, 0.2 - x) - max(0, x - 0.8)" }\n'
-    run = solver_of(text, target).simulate(2.5, samples=101)
+    text += 'once = { when = "max(0, x - 0.5) - max(0, -x)" }\n'
     contact = math.pi / math.sqrt(1e5)
-    assert run.events["band"].time == pytest.approx([0.8, 1.8 + contact], abs=1e-6)
+    for tolerance in (1e-4, 1e-9):
+        run = solver_of(text, target).simulate(2.5, samples=101, tolerance=tolerance)
+        known = 100.0 * tolerance
+        assert run.events["band"].time == pytest.approx([0.8, 1.8 + contact], abs=known)
+        assert run.events["once"].time == pytest.approx([2.0 + contact], abs=known)
 
 
 @pytest.mark.parametrize("step", [1.0, 0.5])
