@@ -145,13 +145,14 @@ def test_a_step_whose_works_miss_the_tolerance_is_shortened(
 
 
 @pytest.mark.parametrize(
-    ("part", "told", "seen", "wanted"),
+    ("part", "exact", "told", "seen", "wanted"),
     [
-        (1.0, 2.5, 3.0, 2.5),  # samples tell no more than that
-        (1.0, 3.0, 2.25, 2.25),  # an event comes first
-        (0.5, 2.5, 2.75, 2.5),
-        (1.25, 2.5, 2.25, 3.0),  # it leaps
-        (1.0, 3.0, 3.0, 3.0),
+        (1.0, 3.0, 2.5, 3.0, 2.5),  # samples tell no more than that
+        (1.0, 3.0, 3.0, 2.25, 2.25),  # an event comes first
+        (1.0, 2.125, 3.0, 2.25, 2.125),  # the polynomial does not tell where it is
+        (0.5, 3.0, 2.5, 2.75, 2.5),
+        (1.25, 2.125, 2.5, 2.25, 3.0),  # it leaps
+        (1.0, 3.0, 3.0, 3.0, 3.0),
     ],
 )
 def test_a_step_is_searched_from_where_it_begins(
@@ -159,6 +160,7 @@ def test_a_step_is_searched_from_where_it_begins(
     state: Any,
     work: Any,
     part: float,
+    exact: float,
     told: float,
     seen: float,
     wanted: float,
@@ -170,11 +172,13 @@ def test_a_step_is_searched_from_where_it_begins(
     monkeypatch.setattr(
         kinematics, "resolved_end", lambda *given: min(told, to) if given == (to, search) else 0
     )
+    monkeypatch.setattr(kinematics, "exact_end", lambda *_: exact)
     monkeypatch.setattr(
         kinematics, "crossing_end", lambda *given: seen if given == (3.0, search) else 0
     )
     search.crosses = np.zeros(1, bool)
     assert watched_end(ANY, 3.0, part, search) == wanted
     ((settings, method, length, *_),) = begun
-    assert (settings, method, length) == (ANY, METHODS[0], 1.0)
-    assert (search.cut == seen) == (part <= 1.0 and seen <= told and seen < 3.0)
+    assert (settings, method, length) == (ANY, METHODS[-1], 1.0)
+    is_cut = part <= 1.0 and seen <= min(exact, told) and seen < 3.0
+    assert (search.cut == seen) == is_cut
