@@ -186,8 +186,8 @@ def crossing_end(end: float, search: Search) -> float:
         if not a.time < end:
             break
         b = node_at(a.time + width if a.time + STRETCH_TO_END * width < end else end, search)
-        if search.is_kept:  # else the polynomial may be thrown off
-            sides[:] = np.where(sides == 0.0, side_at(a)[:n], sides)
+        # else the polynomial may be thrown off
+        sides[:] = np.where(search.is_kept & (sides == 0.0), side_at(a)[:n], sides)
         now = np.where(passed, -sides, sides)
         search.crosses = are_crossed(now, b, search)
         passes = search.crosses & is_pole
