@@ -389,8 +389,10 @@ def _divided_magnitudes(part: Expression) -> Iterator[Expression]:
 
 
 def _factors(part: Expression) -> Iterator[Expression]:
+    """Factors of a product, but for their signs."""
     while part.op in {Op.MUL, Op.NEG}:
-        yield part.args[-1]
+        if part.op is Op.MUL:
+            yield part.args[1]
         part = part.args[0]
     yield part
 

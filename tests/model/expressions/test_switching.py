@@ -58,6 +58,7 @@ def test_a_jump_is_looked_for_in_what_roots_and_powers_divide_by() -> None:
         ("sin(x + 3*exp(-(y^2)))", ["exp(-(y^2))"]),
         ("y*sqrt(1 + (x + sin(y))^2)", ["(x + sin(y))^2", "2*x*sin(y)"]),  # times a slope
         ("(m*(x + cos(y)))^12", ["12*(m*x)^11*(m*cos(y))"]),
+        ("atan(-x*(2 + exp(-(x^2))))", ["exp(-(x^2))*x", "exp(-(x^2))"]),
         ("atan(x*(2 + exp(-(x^2))))", ["exp(-(x^2))*x", "exp(-(x^2))"]),
         ("sin(x + exp(-m*(y - 2)^2))", ["exp(-m*(y - 2)^2)"]),
         ("sin(x + exp(-abs(y)/m))", ["exp(-abs(y)/m)"]),
