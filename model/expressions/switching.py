@@ -2,10 +2,26 @@
 
 from __future__ import annotations
 
+import sys
+from collections import Counter
 from fractions import Fraction
 from functools import reduce
 from itertools import chain, product
-from math import inf, isfinite, pi, prod
+from math import (
+    acos,
+    asin,
+    atan,
+    copysign,
+    exp,
+    inf,
+    isfinite,
+    isinf,
+    log,
+    nextafter,
+    pi,
+    prod,
+    sqrt,
+)
 from typing import TYPE_CHECKING
 
 from kousoku.model.expressions.derivative import derivative
@@ -30,6 +46,8 @@ from kousoku.model.operations.expression import (
     number,
     ordered,
     power,
+    replaced,
+    symbol,
 )
 from kousoku.model.operations.graph import Op
 
@@ -44,6 +62,19 @@ SMOOTH = 2
 #: Polynomials up to this degree vary no faster than the stages of a step see: (1 - t^2)^n is a hill
 #: of a width of 1.7/sqrt(n) in an interval of 2, a third of it for n = 6.
 HIGHEST = 12
+#: Functions that rise or fall, with the numbers between which they have a value.
+MONOTONIC: Mapping[Op, tuple[Callable[[float], float], float, float]] = {
+    Op.EXP: (exp, -inf, inf),
+    Op.LOG: (lambda x: log(x) if x > 0.0 else -inf, 0.0, inf),
+    Op.SQRT: (sqrt, 0.0, inf),
+    Op.ATAN: (atan, -inf, inf),
+    Op.ASIN: (asin, -1.0, 1.0),
+    Op.ACOS: (acos, -1.0, 1.0),
+}
+#: Least and greatest values of other functions, whatever they are of.
+RANGES = {Op.SIN: (-1.0, 1.0), Op.COS: (-1.0, 1.0), Op.SHARE: (0.0, 1.0)}
+#: The largest double.
+LARGEST = sys.float_info.max
 #: Products of sums are watched term by term if there are no more.
 MOST_TERMS = 16
 #: Functions with a jump, or that jump through infinity.
@@ -292,48 +323,139 @@ def may_be_zero(expression: Expression) -> bool:
 
 
 def range_of(expression: Expression) -> tuple[float, float]:
-    """Least and greatest value of a formula, as the ranges of its functions tell."""
-    least, most = -inf, inf
+    """Least and greatest value of a formula, as the ranges of its functions tell.
+
+    The least of what is above zero is no less than the smallest double.
+    """
     known: dict[int, tuple[float, float]] = {}
     for part in ordered(expression):
         least, most = -inf, inf
         if part.value is not None:
             least = most = float(part.value)
         elif part.args:
-            least, most = _range(part, [known[id(arg)] for arg in part.args])
-        known[id(part)] = least, most
-    return least, most
+            least, most = _range(part, known)
+        known[id(part)] = min(least, LARGEST), max(most, -LARGEST)
+    return known[id(expression)]
 
 
-def _range(part: Expression, args: Sequence[tuple[float, float]]) -> tuple[float, float]:
-    """Least and greatest value of a function of such ranges."""
+def _range(part: Expression, known: Mapping[int, tuple[float, float]]) -> tuple[float, float]:
+    """Least and greatest value of a function, given those of its arguments."""
+    args = [known[id(arg)] for arg in part.args]
     least, most = args[0]
+    if part.op in MONOTONIC:
+        function, first, last = MONOTONIC[part.op]
+        ends = (min(max(end, first), last) for end in args[0])
+        least, most = sorted(ends, reverse=part.op is Op.ACOS)
+        low = SMALLEST_SUBNORMAL if part.op is Op.EXP else -inf
+        return max(_end(function, least, -inf), low), _end(function, most, inf)
     match part.op:
         case Op.ADD:
             return sum(low for low, _ in args), sum(high for _, high in args)
+        case Op.MAX | Op.MIN:
+            combine = max if part.op is Op.MAX else min
+            return combine(low for low, _ in args), combine(high for _, high in args)
         case Op.NEG:
             return -most, -least
-        case Op.SIN | Op.COS:
-            return -1.0, 1.0
-        case Op.EXP:
-            return (0.0 if least > 0.0 else SMALLEST_SUBNORMAL), inf
-        case Op.ABS | Op.SQRT:
-            return 0.0, inf
-        case Op.LOG if least >= 1.0:
-            return 0.0, inf
-        case Op.MUL if all(isfinite(end) for interval in args for end in interval):
-            ends = [a * b for a in args[0] for b in args[1]]
-            return min(ends), max(ends)
-        case Op.MUL if part.args[0] == part.args[1] or min(least, args[1][0]) >= 0.0:
-            return (SMALLEST_SUBNORMAL if min(least, args[1][0]) > 0.0 else 0.0), inf
-        case Op.POW if (exponent := part.args[1].value) is not None:
-            is_even = exponent % 2 == 0 or exponent.denominator > 1
-            return (0.0, inf) if is_even else (-inf, inf)
-        case Op.MAX:
-            return max(low for low, _ in args), max(high for _, high in args)
-        case Op.MIN:
-            return min(low for low, _ in args), min(high for _, high in args)
-    return -inf, inf
+        case Op.MUL | Op.DIV:
+            sign, *sides = _fraction(part)
+            low, high = _quotient(*(_range_of_product(factors, known) for factors in sides))
+            return (low, high) if sign > 0 else (-high, -low)
+        case Op.POW:
+            return _range_of_power(part, args)
+        case Op.ABS:
+            return _range_of_size(least, most)
+        case Op.SIGN:
+            return float((least > 0.0) - (least < 0.0)), float((most > 0.0) - (most < 0.0))
+        case Op.ATAN2:
+            half = nextafter(pi, inf) / (2.0 if args[1][0] >= 0.0 else 1.0)
+            return 0.0 if least >= 0.0 else -half, 0.0 if most < 0.0 else half
+        case Op.LOG_SUM:  # of two that are equal it is larger by log(2)
+            return max(low for low, _ in args), max(high for _, high in args) + 0.7
+    return RANGES.get(part.op, (-inf, inf))
+
+
+def _end(function: Callable[[float], float], at: float, beyond: float) -> float:
+    """Value of a function at an end of a range, rounded to the outside unless it is exact."""
+    try:
+        value = function(at)
+    except OverflowError:
+        value = copysign(inf, at)
+    return value if {at, value} <= {0.0, 1.0} else nextafter(value, beyond)
+
+
+def _range_of_size(least: float, most: float) -> tuple[float, float]:
+    """Least and greatest absolute value."""
+    return max(least, -most, 0.0), max(most, -least)
+
+
+def _range_of_power(part: Expression, args: Sequence[tuple[float, float]]) -> tuple[float, float]:
+    """Least and greatest value of a power; one that is not whole is of a positive number."""
+    (least, most), exponents = args
+    exponent = part.args[1].value
+    if exponent is None:
+        if least <= 0.0:
+            return 0.0 if least == 0.0 else -inf, inf
+        low, high = _product(exponents, (_end(log, least, -inf), _end(log, most, inf)))
+        return max(_end(exp, low, -inf), SMALLEST_SUBNORMAL), _end(exp, high, inf)
+    if exponent.denominator > 1:
+        least, most = max(least, 0.0), max(most, 0.0)
+    elif exponent % 2 == 0:
+        least, most = _range_of_size(least, most)
+    size = float(abs(exponent))
+    low, high = _end(lambda x: x**size, least, -inf), _end(lambda x: x**size, most, inf)
+    low = max(low, SMALLEST_SUBNORMAL) if least > 0.0 else low
+    return (low, high) if exponent > 0 else _quotient((1.0, 1.0), (low, high))
+
+
+def _range_of_product(
+    factors: Mapping[Expression, int], known: Mapping[int, tuple[float, float]]
+) -> tuple[float, float]:
+    """Least and greatest value of a product, of factors that may be there several times."""
+    whole = 1.0, 1.0
+    for factor, count in factors.items():
+        ends = known[id(factor)]
+        size = _range_of_size(*ends)
+        for k in range(count):  # a square is not below zero
+            whole = _product(whole, ends if k == 0 and count % 2 else size)
+    return whole
+
+
+def _product(a: tuple[float, float], b: tuple[float, float]) -> tuple[float, float]:
+    """Least and greatest value of a product, which is zero where one of both is."""
+    ends = [_above_zero(x * y, x, y) if x and y else 0.0 for x in a for y in b]
+    return min(ends), max(ends)
+
+
+def _quotient(a: tuple[float, float], b: tuple[float, float]) -> tuple[float, float]:
+    """Least and greatest value of a quotient; unknown where the divisor may change its sign."""
+    if b[0] < 0.0 < b[1] or b == (0.0, 0.0):
+        return -inf, inf
+    side = copysign(1.0, b[0] + b[1])
+    ends = []
+    for x, y in product(a, b):
+        if not x or isinf(y):
+            ends.append(0.0)
+        else:
+            ends.append(_above_zero(x / y, x, y) if y else copysign(inf, x) * side)
+    return min(ends), max(ends)
+
+
+def _above_zero(value: float, a: float, b: float) -> float:
+    """Value of a product or quotient of numbers other than zero, which it is not either."""
+    return value or copysign(SMALLEST_SUBNORMAL, a) * copysign(1.0, b)
+
+
+def _fraction(part: Expression) -> tuple[int, Counter[Expression], Counter[Expression]]:
+    """Sign of a product, and what it is multiplied and divided by, with how often that is there."""
+    sign, above, below = 1, Counter[Expression](), Counter[Expression]()
+    while part.op in {Op.MUL, Op.DIV, Op.NEG}:
+        if part.op is Op.NEG:
+            sign = -sign
+        else:
+            (above if part.op is Op.MUL else below)[part.args[1]] += 1
+        part = part.args[0]
+    above[part] += 1
+    return sign, above, below
 
 
 def varies(formula: Expression) -> bool:
@@ -480,11 +602,16 @@ def _hidden_terms(
 
 
 def _is_watchable(term: Expression, function: Expression, varying: Collection[str]) -> bool:
-    """Whether a term in an argument is finite wherever the function is, and does not overflow."""
-    term = without_overflow(term)
-    may_be_infinite = any(poles_of(term, varying, in_divisors=False))
-    is_finite = function.op not in COMPRESSING or not may_be_infinite
-    return is_finite and not _grows(term, varying)
+    """Whether a term in an argument is finite wherever the function is, and does not overflow.
+
+    Parameters may have any sign, or be above zero as they mostly are: w² + (x − c)² is no pole.
+    """
+    for form in map(without_overflow, (term, _with_numbers(term, varying))):
+        may_be_infinite = any(poles_of(form, varying, in_divisors=False))
+        is_finite = function.op not in COMPRESSING or not may_be_infinite
+        if is_finite and not _grows(form, varying):
+            return True
+    return False
 
 
 def _is_offset(function: Expression, argument: Expression, varying: Collection[str]) -> bool:
@@ -546,42 +673,48 @@ def _grows(formula: Expression, varying: Collection[str]) -> bool:
         exponent = part.args[-1] if part.op in {Op.EXP, Op.POW} else None
         if exponent is None or not _changes(exponent, varying):
             continue
-        terms = [x for x in _signed_summands(exponent) if _changes(x, varying)]
-        is_well = any(_sign(x) <= 0 and any(map(_makes_well, _factors(x))) for x in terms)
-        if not (is_well or all(_is_bounded_above(x, varying) for x in terms)):
-            return True
+        if not isfinite(_range_as_told(exponent, varying)[1]):
+            terms = [x for x in _signed_summands(exponent) if _changes(x, varying)]
+            if not any(_sign(x) <= 0 and _makes_well(x) for x in terms):
+                return True
     return False
 
 
-def _makes_well(factor: Expression) -> bool:
-    """Whether a function is large on both sides; a logarithm of exponentials on that of each."""
-    return factor.op is Op.LOG_SUM or _is_even(factor)
+def _with_numbers(formula: Expression, varying: Collection[str]) -> Expression:
+    """Formula with a number in place of each name that does not vary: all differ, near to 1."""
+    fixed = [name for name in names_of(formula) if name not in varying]
+    for k, name in enumerate(fixed):
+        formula = replaced(formula, symbol(name), number(1 + Fraction(1, 97 + k)))
+    return formula
 
 
-def _is_bounded_above(term: Expression, varying: Collection[str]) -> bool:
-    """Whether a product is one of bounded functions, or never positive (of a parameter: maybe)."""
-    factors = [x for x in _factors(term) if _changes(x, varying)]
-    is_negative = _sign(term) <= 0 and all(_sign(factor) > 0 for factor in factors)
-    return is_negative or all(factor.op in BOUNDED for factor in factors)
+def _range_as_told(formula: Expression, varying: Collection[str]) -> tuple[float, float]:
+    """Least and greatest value of a formula where parameters are as usual."""
+    return range_of(_with_numbers(formula, varying))
+
+
+def _makes_well(term: Expression) -> bool:
+    """Whether a term is large on both sides; a logarithm of exponentials on that of each."""
+    _, factors, _ = _fraction(term)
+    return _is_even(term) or any(factor.op is Op.LOG_SUM for factor in factors)
 
 
 def _sign(formula: Expression) -> int:
-    """Sign of a product, which may be zero, too; 0 where it is not known."""
-    match formula:
-        case Expression(Op.MUL | Op.DIV, (a, b)):
-            return _sign(a) * _sign(b)
-        case Expression(Op.NEG, (a,)):
-            return -_sign(a)
+    """Sign of a formula, which may be zero, too; 0 where it is not known."""
     least, most = range_of(formula)
-    return int(least >= 0.0 or _is_even(formula)) - int(most <= 0.0)
+    return int(least >= 0.0) - int(most <= 0.0)
 
 
 def _is_even(part: Expression) -> bool:
-    """Whether a factor is an even power, or an absolute value."""
-    if part.op is Op.DIV:
-        return any(map(_is_even, _factors(part.args[0])))
-    power = part.args[1].value if part.op is Op.POW else None
-    return part.op is Op.ABS or (power is not None and power % 2 == 0)
+    """Whether a product has an even power as a factor, or an absolute value."""
+    _, factors, _ = _fraction(part)
+    for factor, count in factors.items():
+        power = factor.args[1].value if factor.op is Op.POW else None
+        is_power = power is not None and power % 2 == 0
+        is_product = factor.op in {Op.MUL, Op.DIV, Op.NEG}
+        if is_power or count % 2 == 0 or factor.op is Op.ABS or (is_product and _is_even(factor)):
+            return True
+    return False
 
 
 def _distributed(formula: Expression, is_varying: Callable[[Expression], bool]) -> list[Expression]:
