@@ -618,10 +618,8 @@ def _is_offset(function: Expression, argument: Expression, varying: Collection[s
     """Whether a function is not zero where an argument is, so that a hill in it adds to a size."""
     if function.op is Op.EXP:  # where exp(-u²) is not zero it shows itself how it varies
         return not any(map(_is_even, _factors(argument)))
-    if function.op is Op.ATAN2:
-        return sum(_changes(arg, varying) for arg in function.args) == 1
     is_divisor = function.op is Op.DIV and argument is not function.args[0]
-    return is_divisor or function.op in {Op.COS, Op.ACOS}
+    return is_divisor or function.op in {Op.COS, Op.ACOS, Op.ATAN2}
 
 
 def _slope_at(

@@ -147,7 +147,8 @@ def test_ranges_hold_all_values_of_a_formula(text: str, least: float, most: floa
         ("cos(m/(m + exp(x) + exp(-x)))", ["m/(m + exp(x) + exp(-x))"]),
         ("atan(1 + exp((m - 2)*x))", []),
         ("atan(x + exp(-1/x))", []),  # it is infinite on one side
-        ("atan2(sin(x), cos(x))", []),
+        ("atan2(sin(x), cos(x))", ["sin(x)", "cos(x)"]),
+        ("atan2(1 + x, exp(-(x^2)))", ["exp(-(x^2))"]),
         ("atan2(sin(x), m)", ["sin(x)"]),
         ("sin(x + y^2)", []),
         ("atan(x + 1/y^2)", []),  # it is infinite where y is zero, and the formula is not
