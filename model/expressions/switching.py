@@ -616,10 +616,11 @@ def _is_watchable(term: Expression, function: Expression, varying: Collection[st
 
 def _is_offset(function: Expression, argument: Expression, varying: Collection[str]) -> bool:
     """Whether a function is not zero where an argument is, so that a hill in it adds to a size."""
-    if function.op is Op.EXP:  # where exp(-u²) is not zero it shows itself how it varies
-        return not any(map(_is_even, _factors(argument)))
-    is_divisor = function.op is Op.DIV and argument is not function.args[0]
-    return is_divisor or function.op in {Op.COS, Op.ACOS, Op.ATAN2}
+    if function.op is Op.EXP:  # exp(-u²) is zero where u is large, and shows how it varies itself
+        even = [factor for factor in _factors(argument) if _is_even(factor)]
+        return all(isfinite(end) for factor in even for end in _range_as_told(factor, varying))
+    is_second = function.op in {Op.DIV, Op.POW} and argument is not function.args[0]
+    return is_second or function.op in {Op.COS, Op.ACOS, Op.ATAN2}
 
 
 def _slope_at(

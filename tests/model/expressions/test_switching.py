@@ -149,6 +149,11 @@ def test_ranges_hold_all_values_of_a_formula(text: str, least: float, most: floa
         ("atan(x + exp(-1/x))", []),  # it is infinite on one side
         ("atan2(sin(x), cos(x))", ["sin(x)", "cos(x)"]),
         ("atan2(1 + x, exp(-(x^2)))", ["exp(-(x^2))"]),
+        ("m^exp(-(x^2))", ["exp(-(x^2))"]),
+        ("exp(-exp(-(x^2))^2/m)", ["exp(-(x^2))^2"]),
+        ("exp(-y*sin(x)^2)", ["-y*sin(x)^2"]),
+        ("exp(-abs(exp(-abs(x))))", ["exp(-abs(x))"]),
+        ("exp(-(x^14))", []),
         ("atan2(sin(x), m)", ["sin(x)"]),
         ("sin(x + y^2)", []),
         ("atan(x + 1/y^2)", []),  # it is infinite where y is zero, and the formula is not
