@@ -579,7 +579,8 @@ def _hidden_terms(
 
     Beside a constant, too: 1 + exp(-u²)/10 is large beside what its hill adds. Not where they may
     overflow, or be infinite while the function is not, as in the pulses 1/(exp(u) + exp(-u)) and
-    atan(u + 1/u²): the function is watched itself. With each comes the slope of its function.
+    atan(u + 1/u²): the function is watched itself, and those factors of the term that are finite.
+    With each comes the slope of its function.
     """
     for function in ordered(formula):
         if function.op is Op.MUL:  # what is multiplied by a constant is an argument itself
@@ -599,6 +600,12 @@ def _hidden_terms(
             for term, others in addends if is_beside else ():
                 if is_varying(term) and _is_watchable(term, function, varying):
                     yield term, _slope_at(others, function, argument, varying)
+                elif is_varying(term):
+                    above = _fraction(term)[1]
+                    constant = mul(*(factor for factor in above if not _changes(factor, varying)))
+                    for factor in above:
+                        if is_varying(factor) and _is_watchable(factor, function, varying):
+                            yield factor, constant
 
 
 def _is_watchable(term: Expression, function: Expression, varying: Collection[str]) -> bool:

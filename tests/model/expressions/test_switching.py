@@ -154,6 +154,10 @@ def test_ranges_hold_all_values_of_a_formula(text: str, least: float, most: floa
         ("exp(-y*sin(x)^2)", ["-y*sin(x)^2"]),
         ("exp(-abs(exp(-abs(x))))", ["exp(-abs(x))"]),
         ("exp(-(x^14))", []),
+        ("1/(2 + m*exp(-(x^2))/y)", ["exp(-(x^2))"]),
+        ("atan(1 + exp(-(x^2))*log(2 + x))", ["exp(-(x^2))"]),
+        ("sin(x + exp(-(x^2))*2^x)", ["exp(-(x^2))"]),
+        ("atan2(1, 2*exp(-(x^2))*3/(1 + x))", ["exp(-(x^2))"]),
         ("atan2(sin(x), m)", ["sin(x)"]),
         ("sin(x + y^2)", []),
         ("atan(x + 1/y^2)", []),  # it is infinite where y is zero, and the formula is not
