@@ -55,10 +55,10 @@ class Form:
 
 
 def without_overflow(formula: Expression) -> Expression:
-    """Formula that is divided by no sum of exponentials.
+    """Formula that is divided by no exponential, and by no sum of such.
 
     1/(eᵃ + eᵇ) is exp(−l) with the logarithm l of the sum, of which there are bounds everywhere:
-    those of the first are 0/0 and ∞/∞ far from where a and b are equal.
+    those of the first are 0/0 and ∞/∞ far from where a and b are equal, and those of 1/eᵃ are ∞/∞.
     """
     known: dict[int, Form] = {}
     for part in ordered(formula):
@@ -100,7 +100,7 @@ def _form(part: Expression, args: Sequence[Form]) -> Form:
         case Op.MUL:
             exponent, logarithm = add(a.exponent, b.exponent), _combined_logarithms(add, args)
             return _product(formula, mul(a.factor, b.factor), exponent, logarithm, args)
-        case Op.DIV if b.is_sum:
+        case Op.DIV if b.is_sum or b.exponent != ZERO:
             return _quotient(a, b)
         case Op.DIV:
             logarithm = _combined_logarithms(lambda x, y: add(x, neg(y)), args)
@@ -131,15 +131,17 @@ def _product(
 
 def _quotient(a: Form, b: Form) -> Form:
     """Quotient a / b, each term of a by itself where exponentials are among them."""
-    assert b.logarithm is not None
-    logarithm = None if a.logarithm is None else add(a.logarithm, neg(b.logarithm))
+    logarithm = _combined_logarithms(lambda x, y: add(x, neg(y)), [a, b])
     if any(term.exponent != ZERO for term in a.terms):
         terms = tuple(_quotient(term, b) for term in a.terms)
         formula = add(*(term.formula for term in terms))
-        return Form(formula, formula, ZERO, logarithm, terms=terms)
-    exponent = add(a.exponent, neg(b.logarithm))
-    formula = mul(a.factor, apply(Op.EXP, exponent))
-    return Form(formula, a.factor, exponent, logarithm, is_rewritten=True)
+        is_sum = logarithm is not None and a.is_sum
+        return Form(formula, formula, ZERO, logarithm, is_sum, terms=terms)
+    divisor, subtracted = (ONE, b.logarithm) if b.is_sum else (b.factor, b.exponent)
+    assert subtracted is not None
+    factor, exponent = div(a.factor, divisor), add(a.exponent, neg(subtracted))
+    formula = mul(factor, apply(Op.EXP, exponent))
+    return Form(formula, factor, exponent, logarithm, is_rewritten=True)
 
 
 def _combined_logarithms(
