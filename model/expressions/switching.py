@@ -448,7 +448,7 @@ def _above_zero(value: float, a: float, b: float) -> float:
 def _fraction(part: Expression) -> tuple[int, Counter[Expression], Counter[Expression]]:
     """Sign of a product, and what it is multiplied and divided by, with how often that is there."""
     sign, above, below = 1, Counter[Expression](), Counter[Expression]()
-    while part.op in {Op.MUL, Op.DIV, Op.NEG}:
+    while part.op in {Op.MUL, Op.DIV, Op.NEG} and part not in above:  # as (x/m)*(x/m)
         if part.op is Op.NEG:
             sign = -sign
         else:
