@@ -25,18 +25,6 @@ static void hermite_cubic(
     }
 }
 
-/* what the polynomial needs to meet y and its derivative f in the middle of a step of h, too */
-static void add_middle_rows(double h, const double *y, const double *f, State *s)
-{
-    for (size_t i = 0; i < NY; ++i) {
-        const double step = s->dense[0][i], first = s->dense[1][i], second = s->dense[2][i];
-        const double off = y[i] - s->y_before[i] - (0.5 * step + 0.25 * first + 0.125 * second);
-        const double slope = h * f[i] - step - 0.25 * second;
-        s->dense[3][i] = 16.0 * off - 8.0 * slope;
-        s->dense[4][i] = 16.0 * slope;
-    }
-}
-
 /* what the stages of a step add to that */
 static void add_dense_rows(const Method *m, double h, State *s, Work *work)
 {

@@ -388,6 +388,18 @@ static void note_ratios(double ratio, double end, int is_deep, State *s, const W
     s->usual_ratio = larger(s->usual_ratio, s->position_ratio);
 }
 
+/* what the polynomial needs to meet y and its derivative f in the middle of a step of h, too */
+static void add_middle_rows(double h, const double *y, const double *f, State *s)
+{
+    for (size_t i = 0; i < NY; ++i) {
+        const double step = s->dense[0][i], first = s->dense[1][i], second = s->dense[2][i];
+        const double off = y[i] - s->y_before[i] - (0.5 * step + 0.25 * first + 0.125 * second);
+        const double slope = h * f[i] - step - 0.25 * second;
+        s->dense[3][i] = 16.0 * off - 8.0 * slope;
+        s->dense[4][i] = 16.0 * slope;
+    }
+}
+
 /* up to which time a step may be so long that its polynomial tells of all events. It meets the
  * position in the middle: the error that is left, of sixth order, goes with the square of what the
  * cubic polynomial is off there, relative to the motion */
@@ -406,7 +418,7 @@ static double exact_end(double end, const Search *search, State *s, Work *work)
         const double left[2] = { fabs(known[2 * k] - cubic[2 * k]) + h * rate,
             SLOPE_OF_ERROR * rate };
         const double moved[2] = { h * larger(fabs(cubic[2 * k + 1]), change), change };
-        for (int n = 0; n != 2; ++n) {
+        for (size_t n = 0; n != 2; ++n) {
             const double part = left[n] < moved[n] ? left[n] / moved[n] : 1.0;
             excess = larger(left[n] * part / search->noise[2 * k + n], excess);
         }

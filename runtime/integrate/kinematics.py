@@ -11,7 +11,7 @@ from .arithmetic import larger, smaller
 from .branch_watch import LEVEL_RATIO_PART, meeting_part
 from .branches import BRANCH_LOST, ON_BRANCH, follow_branch, note_branch
 from .crossing import ONWARD, STRETCH_TO_END, crossing_end, note_crossings, why_stopped
-from .dense_output import add_middle_rows, hermite_cubic
+from .dense_output import hermite_cubic
 from .methods import METHODS
 from .motion_scales import energy_balance, energy_moved, energy_of_works, note_motion, note_moved
 from .pivot_monitor import (
@@ -458,6 +458,15 @@ def note_ratios(ratio: float, end: float, state: State, work: Work, *, is_deep: 
     note_largest_pivot(work, state)
     state.position_ratio = signed_ratio(work, state)
     state.usual_ratio = larger(state.usual_ratio, state.position_ratio)
+
+
+def add_middle_rows(h: float, y: Array, f: Array, state: State) -> None:
+    """Make the rows by which the polynomial meets y and f = ẏ (ny,) in the middle of h [s], too."""
+    change, first, second = state.dense[:3]
+    off = y - state.y_before - (0.5 * change + 0.25 * first + 0.125 * second)
+    slope = h * f - change - 0.25 * second
+    state.dense[3] = 16.0 * off - 8.0 * slope
+    state.dense[4] = 16.0 * slope
 
 
 def exact_end(end: float, search: Search) -> float:

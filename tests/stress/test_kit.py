@@ -241,7 +241,7 @@ def test_every_question_says_that_no_compiler_is_in_reach(
 
     monkeypatch.setattr(f"tests.stress.{name}.QUESTION", replace(question, run=run))
     outcome, _ = run_case(name, "one")
-    needs = name in {"branches", "endurance", "forces", "invariance", "scenes"}
+    needs = name in {"branches", "endurance", "events", "forces", "invariance", "scenes"}
     assert asked == ([] if needs else ["one"])
     assert outcome.counts == {NOT_ASKED if needs else ASKED: 1}
 

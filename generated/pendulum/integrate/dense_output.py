@@ -35,15 +35,6 @@ def hermite_cubic(h: float, y: Array, f_before: Array, f: Array, state: State) -
     state.dense[2] = 2.0 * change - h * (f_before + f)
 
 
-def add_middle_rows(h: float, y: Array, f: Array, state: State) -> None:
-    """Make the rows by which the polynomial meets y and f = ẏ (ny,) in the middle of h [s], too."""
-    change, first, second = state.dense[:3]
-    off = y - state.y_before - (0.5 * change + 0.25 * first + 0.125 * second)
-    slope = h * f - change - 0.25 * second
-    state.dense[3] = 16.0 * off - 8.0 * slope
-    state.dense[4] = 16.0 * slope
-
-
 def add_dense_rows(m: RungeKuttaMethod, h: float, state: State, work: Work) -> None:
     """Make the rows that the stages of a step add to the cubic polynomial."""
     for n, row in enumerate(m.dense):
