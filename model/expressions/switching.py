@@ -461,8 +461,12 @@ def _is_offset(function: Expression, argument: Expression, varying: Collection[s
     if function.op is Op.EXP:  # exp(-u²) is zero where u is large, and shows how it varies itself
         even = [factor for factor in _factors(argument) if _is_even(factor)]
         return all(isfinite(end) for factor in even for end in _range_as_told(factor, varying))
+    if function.op is Op.ATAN2:  # so does atan2(sin(x), cos(x)): waves are no hills
+        wave = argument.args[0] if argument.op is Op.ABS else argument
+        is_alone = sum(_changes(arg, varying) for arg in function.args) == 1
+        return is_alone or wave.op not in {Op.SIN, Op.COS}
     is_second = function.op in {Op.DIV, Op.POW} and argument is not function.args[0]
-    return is_second or function.op in {Op.COS, Op.ACOS, Op.ATAN2}
+    return is_second or function.op in {Op.COS, Op.ACOS}
 
 
 def _slope_at(
