@@ -138,10 +138,9 @@ def is_flat_in_part(end: float, search: Search) -> Flags:
     n, start = len(search.state.sides), search.start
     least, most = np.full(n, math.inf), np.zeros(n)
     a = node_at(start, search)
-    for k in range(COMPARED):
-        b = node_at(
-            end if k + 1 == COMPARED else start + (k + 1) / COMPARED * (end - start), search
-        )
+    for k in range(1, COMPARED + 1):
+        time = end if k == COMPARED else start + k / COMPARED * (end - start)
+        b = node_at(time, search)
         low, high = np.abs(bound_functions(a, b, search)[:2, :n])
         size = largest(low, high)
         least, most, a = smallest(least, size), largest(most, size), b

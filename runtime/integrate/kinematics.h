@@ -400,17 +400,16 @@ static void add_middle_rows(double h, const double *y, const double *f, State *s
     }
 }
 
-/* up to which time a step may be so long that its polynomial tells of all events. It meets the
- * position in the middle: the error that is left, of sixth order, goes with the square of what the
- * cubic polynomial is off there, relative to the motion */
-static double exact_end(double end, const Search *search, State *s, Work *work)
+/* up to which time a step may be so long that its polynomial tells of all events. It will meet
+ * the position in the middle, too: the error that is left, of sixth order, goes with the square of
+ * what the cubic polynomial is off there, relative to the motion */
+static double exact_end(double end, const Search *search, const State *s, Work *work)
 {
     const Position half = position_at(0, work);
     const double h = search->h, time = search->start + 0.5 * h;
     double cubic[ROOM(N_READ)], known[ROOM(N_READ)], excess = 0.0;
-    read_at(time, search, s, work, cubic);
-    add_middle_rows(h, half.y, half.f, s);
     if (EVENTS == 0 || way_of(h, s->y, position_at(1, work).y) <= FINEST_WAY) return end;
+    read_at(time, search, s, work, cubic);
     read_of(time, half.y, work, known);
     for (size_t k = 0; k != N_MEASURES; ++k) {
         const double rate = fabs(known[2 * k + 1] - cubic[2 * k + 1]);
@@ -432,11 +431,12 @@ static double exact_end(double end, const Search *search, State *s, Work *work)
 static double watched_end(
     const Settings *settings, double end, double part, Search *search, State *s, Work *work)
 {
-    const Position last = position_at(1, work);
+    const Position half = position_at(0, work), last = position_at(1, work);
     const Method *m = methods + METHODS - 1;
     begin_search(settings, m, 0, end - s->time, last.y, s->f, last.f, search, s, work);
     const double exact = part <= 1.0 ? exact_end(end, search, s, work) : end;
     if (exact < end) return exact;
+    if (part <= 1.0) add_middle_rows(search->h, half.y, half.f, s);
     const double seen = crossing_end(end, search, s, work);
     const int is_cut = seen < end && part <= 1.0;
     const double resolved = N_NARROW > 0 ? resolved_end(is_cut ? seen : end, search, s, work) : end;

@@ -472,16 +472,15 @@ def add_middle_rows(h: float, y: Array, f: Array, state: State) -> None:
 def exact_end(end: float, search: Search) -> float:
     """Time [s] up to which a step may be so long that its polynomial tells of all events.
 
-    It meets the position in the middle. The error that is left, of sixth order, goes with the
-    square of what the cubic polynomial is off there, relative to the motion.
+    It will meet the position in the middle, too. The error that is left, of sixth order, goes with
+    the square of what the cubic polynomial is off there, relative to the motion.
     """
     state, work, h = search.state, search.work, search.h
     half, time = position_at(0, work), search.start + 0.5 * h
-    cubic = read_at(time, search)
-    add_middle_rows(h, half.y, half.f, state)
     is_short = work.w.way_of(h, state.y, position_at(1, work).y) <= FINEST_WAY
     if len(state.counts) == 0 or is_short:
         return end
+    cubic = read_at(time, search)
     off = np.abs(read_of(time, half.y, work.w) - cubic)
     values = off[:, 0] + h * off[:, 1]
     rates = SLOPE_OF_ERROR * off[:, 1]
@@ -503,11 +502,13 @@ def watched_end(s: Settings, end: float, part: float, search: Search) -> float:
 
     One that leaps over a place stays where it is.
     """
-    last = position_at(1, search.work)
+    half, last = position_at(0, search.work), position_at(1, search.work)
     begin_search(s, METHODS[-1], end - search.state.time, last.y, last.f, search, has_stages=False)
     exact = exact_end(end, search) if part <= 1.0 else end
     if exact < end:
         return exact
+    if part <= 1.0:
+        add_middle_rows(search.h, half.y, half.f, search.state)
     seen = crossing_end(end, search)
     is_cut = seen < end and part <= 1.0
     resolved = (

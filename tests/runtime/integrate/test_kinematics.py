@@ -173,6 +173,8 @@ def test_a_step_is_searched_from_where_it_begins(
         kinematics, "resolved_end", lambda *given: min(told, to) if given == (to, search) else 0
     )
     monkeypatch.setattr(kinematics, "exact_end", lambda *_: exact)
+    monkeypatch.setattr(kinematics, "add_middle_rows", lambda *_: None)
+    search.h = 1.0
     monkeypatch.setattr(
         kinematics, "crossing_end", lambda *given: seen if given == (3.0, search) else 0
     )
