@@ -36,8 +36,8 @@ if TYPE_CHECKING:
 SCENES = ("bouncing_ball", "constant_velocity", "loop_free")
 ALL = ("", *SCENES)
 """What ``kousoku verify`` is asked for all packages, and for these scenes."""
-PATIENCE = 1800.0
-"""Seconds after which a command has no end."""
+PATIENCE = 600.0
+"""Seconds after which a command has no end; tests have twice as long."""
 
 #: Files that are wrong in the copy of the checkout: path, what stands there, what is written.
 SPOILT: tuple[tuple[str, str, str], ...] = ()
@@ -216,7 +216,7 @@ def made_in(folder: Path, mutant: Mutant, sort: Sort, stage: str) -> str:
 def noticed_by_tests(folder: Path, tested: tuple[str, ...]) -> str:
     """Tests that notice a mistake: the quick ones, then all of some folders."""
     for tier, tests in {"quick": ("tests",), "test": tested}.items():
-        if tests and mutants.run(folder, [*mutants.TIERS[tier], *tests], PATIENCE):
+        if tests and mutants.run(folder, [*mutants.TIERS[tier], *tests], 2 * PATIENCE):
             return f"by make {tier}"
     return ""
 
@@ -298,5 +298,5 @@ QUESTION = Question(
         ),
     ),
     known=ANSWERED,
-    seconds=3 * PATIENCE,
+    seconds=6 * PATIENCE,
 )
