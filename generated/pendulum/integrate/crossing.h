@@ -27,9 +27,9 @@
 #define PUSHED 0.1
 /* parts of a step at which events are asked, beside its ends, whether they are zero all along: no
  * wave has its zeros there, as these are irrational */
-#define EARLY 0.29289321881345254
-#define MIDWAY 0.5773502691896258
-#define LATE 0.816496580927726
+#define EARLY_PART 0.29289321881345254
+#define MIDDLE_PART 0.5773502691896258
+#define LATE_PART 0.816496580927726
 /* number of parts of a step in which bounds of such events are compared */
 #define COMPARED 16
 /* where bounds of an event are less than this many times those elsewhere it is flat there */
@@ -123,7 +123,7 @@ static void is_flat_in_part(
  * step only, as max(0, 1 - abs(x))*x: it may cross in another part */
 static void note_kept(double end, Search *search, const State *s, Work *work)
 {
-    const double asked[5] = { 0.0, 1.0, EARLY, MIDWAY, LATE };
+    const double asked[5] = { 0.0, 1.0, EARLY_PART, MIDDLE_PART, LATE_PART };
     int partly[ROOM(N_CROSSINGS)], any = EVENTS > 0;
     for (size_t k = 0; k != N_CROSSINGS; ++k) search->is_at_zero[k] = (int)k < EVENTS;
     for (int n = 0; n != 5 && any; ++n) {

@@ -67,9 +67,9 @@ HALF = 0.5
 PUSHED = 0.1
 #: Parts of a step at which events are asked, beside its ends, whether they are zero all along: no
 #: wave has its zeros there, as these are irrational.
-EARLY = 0.29289321881345254
-MIDWAY = 0.5773502691896258
-LATE = 0.816496580927726
+EARLY_PART = 0.29289321881345254
+MIDDLE_PART = 0.5773502691896258
+LATE_PART = 0.816496580927726
 #: Number of parts of a step in which bounds of such events are compared.
 COMPARED = 16
 #: Where bounds of an event are less than this many times those elsewhere it is flat there.
@@ -124,7 +124,7 @@ def note_kept(end: float, search: Search) -> None:
     """
     n, start = len(search.state.sides), search.start
     search.is_at_zero = np.arange(n) < len(search.work.scene.events)
-    for part in (0.0, 1.0, EARLY, MIDWAY, LATE):
+    for part in (0.0, 1.0, EARLY_PART, MIDDLE_PART, LATE_PART):
         if not search.is_at_zero.any():
             return
         node = node_with_noise(search.noise, start + part * (end - start), search)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -67,6 +68,15 @@ def test_a_threshold_of_c_alone_stands_in_one_file_of_python(name: str, threshol
     files = [thresholds_in_python(path.stem) for path in FOLDER.glob("*.py")]
     found = [numbers[threshold] for numbers in files if threshold in numbers]
     assert found == [thresholds_in_c(name)[threshold]]
+
+
+def test_each_macro_is_defined_in_one_header() -> None:
+    defined = Counter[str]()
+    for path in FOLDER.parent.rglob("*.h"):
+        text = path.read_text(encoding="utf-8")
+        defined.update(set(re.findall(r"^ *# *define (\w+)", text, re.MULTILINE)))
+    assert defined["EARLY"] == 1
+    assert [name for name, files in defined.items() if files > 1] == []
 
 
 def test_thresholds_of_c_alone_are_found() -> None:
