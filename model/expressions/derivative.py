@@ -7,24 +7,27 @@ from fractions import Fraction
 from functools import partial
 from typing import TYPE_CHECKING
 
-from kousoku.model.expressions.polynomials import root_of_even_power
+from kousoku.model.expressions.polynomials import polynomial_of, root_of_even_power
 from kousoku.model.operations.arithmetic import FormulaArithmetic
 from kousoku.model.operations.differentials import DIFFERENTIALS
 from kousoku.model.operations.expression import (
     ONE,
     ZERO,
+    Expression,
     add,
     apply,
     number,
     ordered,
     power,
+    replaced,
+    symbol,
 )
 from kousoku.model.operations.graph import Op
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
-    from kousoku.model.operations.expression import Expression
+    from kousoku.model.expressions.polynomials import Polynomial
 
 
 def derivative(expression: Expression, name: str) -> Expression:
@@ -46,6 +49,8 @@ def derivative(expression: Expression, name: str) -> Expression:
             known[id(part)] = ONE if part.name == name else ZERO
         elif (smooth := _smooth_root(part)) is not None:
             known[id(part)] = derivative(smooth, name)
+        elif (short := _of_quotient(part, known)) is not None:
+            known[id(part)] = short
         else:
             derivatives = tuple(known[id(arg)] for arg in part.args)
             is_fixed = all(slope == ZERO for slope in derivatives)
@@ -63,6 +68,93 @@ def _smooth_root(part: Expression) -> Expression | None:
         return None
     size = root[0] if root[1] % 2 == 0 else apply(Op.ABS, root[0])
     return power(size, number(root[1]))
+
+
+def _of_quotient(part: Expression, known: Mapping[int, Expression]) -> Expression | None:
+    """Derivative N P^-r / P of a quotient a P^-r where terms of N = a′ P - r a P′ cancel.
+
+    Of ``u/sqrt(u^2 + c)`` and of ``t/(t + c)`` only c is left. The two terms of the usual rule are
+    nearly equal where u is large, and their bounds tell nothing of the rate there.
+    """
+    for a, b, base, exponent in _quotients_of(part):
+        da, slope = known[id(a)], known[id(base)]
+        # quotients of exponentials have forms of their own, in which none overflows
+        if ZERO in {da, slope} or any(inner.op is Op.EXP for inner in ordered(part)):
+            continue
+        terms = da * base, number(-exponent) * a * slope
+        # a sum that is a factor stays one: written out it is known to fewer digits
+        factors = {*_sums_in_products(a), *_sums_in_products(base)}
+        sums = [inner for inner in reversed(ordered(part)) if inner in factors]
+        numerator = _cancelled(terms, sums)
+        if numerator is not None and part.op is Op.MUL:
+            return numerator * b / base
+        if numerator is not None:
+            return numerator / (power(b, number(2)) if b is base else b * base)
+    return None
+
+
+def _quotients_of(
+    part: Expression,
+) -> Iterator[tuple[Expression, Expression, Expression, Fraction]]:
+    """Quotients a/b, or products a b, that a formula is: a, b, and P and r of b = P^r or n P^-r."""
+    match part:
+        case Expression(Op.DIV, (a, b)):
+            yield a, b, *_power_of(b)
+        case Expression(Op.MUL, (x, y)):
+            for a, b in ((x, y), (y, x)):
+                base, exponent = _power_of(b)
+                if exponent < 0:
+                    yield a, b, base, -exponent
+                elif b.op is Op.DIV and b.args[0].value is not None:
+                    yield a, b, *_power_of(b.args[1])
+
+
+def _power_of(part: Expression) -> tuple[Expression, Fraction]:
+    """Base and exponent of a power or a square root; those of any other formula are it and 1."""
+    match part:
+        case Expression(Op.SQRT, (base,)):
+            return base, Fraction(1, 2)
+        case Expression(Op.POW, (base, Expression(value=Fraction() as exponent))):
+            return base, exponent
+    return part, Fraction(1)
+
+
+def _cancelled(terms: Sequence[Expression], kept: Sequence[Expression]) -> Expression | None:
+    """Sum of two terms, written out but for some parts; None unless products in both cancel."""
+    names = {symbol(f".kept{n}"): part for n, part in enumerate(kept)}
+    for name, part in names.items():
+        terms = [replaced(term, part, name, _applied) for term in terms]
+    total = polynomial_of(add(*terms))
+    first, second, left = map(_products_of, (*map(polynomial_of, terms), total))
+    if total is None or not 0 < len(left) < len(first | second):
+        return None
+    numerator = total.expression()
+    for name, part in names.items():
+        numerator = replaced(numerator, name, part, _applied)
+    return numerator
+
+
+def _applied(op: Op, args: tuple[Expression, ...]) -> Expression:
+    return apply(op, *args)
+
+
+def _sums_in_products(formula: Expression) -> Iterator[Expression]:
+    """Sums in a formula that are not added up themselves."""
+    stack = [formula]
+    while stack:
+        part = stack.pop()
+        if part.op in {Op.ADD, Op.NEG}:
+            stack.extend(part.args)
+        else:
+            yield from (inner for inner in ordered(part) if inner.op is Op.ADD)
+
+
+def _products_of(polynomial: Polynomial | None) -> set[frozenset[tuple[Expression, int]]]:
+    """Products of powers that a polynomial has as terms, none if there is no polynomial."""
+    if polynomial is None:
+        return set()
+    pairs = (zip(polynomial.variables, powers, strict=True) for powers in polynomial.terms)
+    return {frozenset(pair for pair in product if pair[1]) for product in pairs}
 
 
 def _derivative(part: Expression, derivatives: tuple[Expression, ...]) -> Expression:

@@ -18,7 +18,7 @@ from kousoku.model.expressions.parser import parse_expression
 from kousoku.model.files.quantity import Quantity
 from kousoku.model.numbers.digits import CONTEXT, HIGH
 from kousoku.model.operations.arithmetic import FLOAT, Arithmetic
-from kousoku.model.operations.expression import ZERO
+from kousoku.model.operations.expression import ZERO, ordered
 from kousoku.model.operations.graph import Graph, Op
 from kousoku.model.operations.interpret import ARRAY, evaluate
 from kousoku.model.operations.kernel import Kernel
@@ -202,6 +202,39 @@ def test_derivatives_that_are_known(text: str, slope: Callable[[float], float]) 
     for t in (0.3, 1.25, 2.9):
         (got,) = values([formula], t, 0.5, FLOAT)
         assert got == pytest.approx(slope(t), rel=1e-14, abs=1e-14)
+
+
+CANCELLING = (
+    "5*(t - 5)/sqrt((t - 5)^2 + 1e-6)",
+    "(t - 5)*((t - 5)^2 + x^2)^(-0.5)",
+    "(t - 5)*(2/sqrt((t - 5)*(t - 5) + x))",
+    "(1 + (t - 5)/sqrt((t - 5)^2 + 1e-6))/2",
+    "-t/(t + 1e-3)",
+    "(t^2 - 1)/(t^2 + 1)",
+    "(t - 5)^3/(1 + (t - 5)^3)",
+)
+"""Quotients that hardly change where t is large."""
+
+
+@pytest.mark.parametrize("text", CANCELLING)
+def test_derivatives_of_quotients_keep_their_digits(text: str) -> None:
+    formula = parse_expression(text, NAMES)
+    first = derivative(formula, "t")
+    for t in (0.25, 4.75, 6.0, 1e4):
+        with CONTEXT.workdps(80):
+            wanted = CONTEXT.diff(lambda t: values([formula], t, CONTEXT.mpf("0.5"), HIGH)[0], t)
+        (got,) = values([first], t, 0.5, FLOAT)
+        assert abs(got - wanted) <= 1e-14 * abs(wanted)
+
+
+def test_derivatives_of_quotients_in_quotients_grow_with_them() -> None:
+    sizes = []
+    for depth in (12, 24):
+        text = "t"
+        for _ in range(depth):
+            text = f"t/(1 + {text})"
+        sizes.append(len(ordered(derivative(parse_expression(text, NAMES), "t"))))
+    assert sizes[1] < 3 * sizes[0]
 
 
 def test_the_derivative_at_a_kink_is_the_mean_of_both_sides() -> None:

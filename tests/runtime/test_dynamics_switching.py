@@ -384,6 +384,25 @@ def test_quotients_that_are_0_0_and_integrable_infinities_are_gone_through(
     assert run.ledger.trust.is_trusted
 
 
+@pytest.mark.parametrize(
+    ("law", "speed"),
+    [
+        ("(t - 4)/sqrt((t - 4)^2 + 1e-6)", math.hypot(6.0, 1e-3) - math.hypot(4.0, 1e-3)),
+        ("(t - 4)*((t - 4)^2 + 1e-12)^(-0.5)", 2.0),
+        ("(1 + (t - 4)/sqrt((t - 4)^2 + 1e-6))/2", 6.0),
+        ("t/(t + 1e-3)", 10.0 - 1e-3 * math.log(10001.0)),
+    ],
+)
+def test_smooth_steps_of_time_take_few_steps(
+    solver_of: Callable[..., Any], law: str, speed: float
+) -> None:
+    """They took 250,000: bounds of their rates told nothing far from the step."""
+    run = solver_of(block_under(law)).simulate(END, samples=2, most_steps=1000)
+    assert run.velocity["block"][-1, 0] == pytest.approx(speed, rel=1e-7)
+    assert (run.ledger.steps < 150, run.ledger.unresolved) == (True, 0)
+    assert run.ledger.trust.is_trusted
+
+
 @pytest.mark.usefixtures("numpy_solver")
 @pytest.mark.parametrize("target", ["c", "numpy"])
 @pytest.mark.parametrize(
