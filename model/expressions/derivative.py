@@ -123,19 +123,15 @@ def _cancelled(terms: Sequence[Expression], kept: Sequence[Expression]) -> Expre
     """Sum of two terms, written out but for some parts; None unless products in both cancel."""
     names = {symbol(f".kept{n}"): part for n, part in enumerate(kept)}
     for name, part in names.items():
-        terms = [replaced(term, part, name, _applied) for term in terms]
+        terms = [replaced(term, part, name) for term in terms]
     total = polynomial_of(add(*terms))
     first, second, left = map(_products_of, (*map(polynomial_of, terms), total))
     if total is None or not 0 < len(left) < len(first | second):
         return None
     numerator = total.expression()
     for name, part in names.items():
-        numerator = replaced(numerator, name, part, _applied)
+        numerator = replaced(numerator, name, part)
     return numerator
-
-
-def _applied(op: Op, args: tuple[Expression, ...]) -> Expression:
-    return apply(op, *args)
 
 
 def _sums_in_products(formula: Expression) -> Iterator[Expression]:
