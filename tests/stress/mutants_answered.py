@@ -93,6 +93,9 @@ ANSWERS = {
         "'near_a, near_b' -> 'near_b, near_a' in": (
             "the larger of two numbers, whichever is first"
         ),
+        "'<' -> '<=' in 'const double least = side < 0": (
+            "where a function begins at zero more intervals are halved: the same roots"
+        ),
     },
     "runtime/integrate/distances.h": {
         "'1' -> '(2 * 1)' in 'if (falls_in(0, k, nodes) ||": "true as well",
