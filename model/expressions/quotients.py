@@ -8,7 +8,7 @@ N⁽ᵏ⁺³⁾/(k + 3)!. So are D/zᵏ and the quotient of both.
 
 from __future__ import annotations
 
-from itertools import chain
+from itertools import chain, islice
 from math import factorial
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -112,7 +112,7 @@ class Quotient(NamedTuple):
 
     def _series(self, formula: Expression, k: int) -> tuple[Expression, Expression]:
         """Series of N (k = 0) or D (1) over the power of z, and its derivative."""
-        a, b = coefficients(formula, self.order + 2)[self.order :]
+        a, b = islice(coefficients(formula), self.order, self.order + 2)
         z, rest, slope = symbol(Z), symbol(f"{REMAINDER}{k}"), symbol(f"{REMAINDER}{k}.slope")
         square = power(z, number(2))
         if _is_short(formula, self.order):
@@ -130,7 +130,7 @@ class Quotient(NamedTuple):
             return {}
         spans: Spans = {}
         for n, name in enumerate((f"{REMAINDER}{k}", f"{REMAINDER}{k}.slope"), self.order + 2):
-            bounds = enclosure(_derived(formula, n), {Z: Bounds(*ends)})
+            bounds = enclosure(_derivative(formula, n), {Z: Bounds(*ends)})
             spans[name] = Bounds(*(div(bound, number(factorial(n))) for bound in bounds))
         return spans
 
@@ -250,32 +250,36 @@ def _applied(op: Op, args: tuple[Expression, ...]) -> Expression:
 
 def _order(numerator: Expression, denominator: Expression) -> int | None:
     """Order of the zero of a denominator, if the numerator has one of it, too."""
-    if denominator == ONE:
-        return None
     sides = (numerator, denominator)
-    pairs = zip(*(coefficients(side, HIGHEST + 3) for side in sides), strict=True)
+    pairs = islice(zip(*map(coefficients, sides), strict=True), HIGHEST + 1)
     order = next((k for k, pair in enumerate(pairs) if pair != (ZERO, ZERO)), 0)
-    series = [coefficients(side, order + 2) for side in sides]
-    if not 0 < order <= HIGHEST or series[1][order] == ZERO:
+    if not order:
         return None
-    return order if all(map(_has_value, chain(*series))) else None
+    series = [tuple(islice(coefficients(side), order + 2)) for side in sides]
+    has_limit = series[1][order] != ZERO and all(map(_has_value, chain(*series)))
+    return order if has_limit else None
 
 
-def coefficients(formula: Expression, count: int) -> list[Expression]:
-    """First Taylor coefficients in z, from the zeroth on."""
-    values = (replaced(_derived(formula, n), symbol(Z), ZERO, _applied) for n in range(count))
-    return [div(value, number(factorial(n))) for n, value in enumerate(values)]
+def coefficients(formula: Expression) -> Iterator[Expression]:
+    """Taylor coefficients in z, from the zeroth on."""
+    for n, part in enumerate(_derivatives(formula)):
+        yield div(replaced(part, symbol(Z), ZERO, _applied), number(factorial(n)))
 
 
-def _derived(formula: Expression, count: int) -> Expression:
-    for _ in range(count):
+def _derivatives(formula: Expression) -> Iterator[Expression]:
+    """Derivatives by z, each when it is asked for; the zeroth is the formula."""
+    while True:
+        yield formula
         formula = derivative(formula, Z)
-    return formula
+
+
+def _derivative(formula: Expression, order: int) -> Expression:
+    return next(islice(_derivatives(formula), order, None))
 
 
 def _is_short(formula: Expression, order: int) -> bool:
     """Whether a formula is a polynomial in z that ends behind the order and one more."""
-    return _derived(formula, order + 2) == ZERO
+    return _derivative(formula, order + 2) == ZERO
 
 
 def _has_value(formula: Expression) -> bool:

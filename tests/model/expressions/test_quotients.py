@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from itertools import islice
+
 import numpy as np
 import pytest
 
+from kousoku.model.expressions import quotients
 from kousoku.model.expressions.derivative import derivative
 from kousoku.model.expressions.enclosure import Bounds
 from kousoku.model.expressions.parser import parse_expression
 from kousoku.model.expressions.quotients import coefficients, without_quotients
 from kousoku.model.numbers.digits import CONTEXT
 from kousoku.model.numbers.traced import traced
-from kousoku.model.operations.expression import ZERO, mul, symbol
+from kousoku.model.operations.expression import ZERO, Expression, mul, symbol
 from tests.in_doubles import in_doubles
 
 SPANS = {"t": Bounds(symbol("first"), symbol("last"))}
@@ -75,6 +78,15 @@ def test_others_stay_what_they_are(text: str) -> None:
 def test_factors_are_those_of_taylor() -> None:
     formula = parse_expression("(exp(t) - 1)/t", ["t"])
     _, (quotient,) = without_quotients(formula, SPANS)
-    found = coefficients(quotient.numerator, 4)
+    found = [*islice(coefficients(quotient.numerator), 4)]
     assert found[0] == ZERO
     assert [one.value * 6 for one in found[1:] if one.value is not None] == [6, 3, 1]
+
+
+def test_no_derivative_is_taken_that_tells_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    taken: list[Expression] = []
+    monkeypatch.setattr(quotients, "derivative", lambda f, z: taken.append(f) or derivative(f, z))
+    steps = "h*(t - p)/sqrt((t - p)^2 + w^2)*(t^3 + p*t^2 + w*t + 1)/(t^4 + p*t^2 + w^2)"
+    formula = parse_expression(steps, ["t", "h", "p", "w"])
+    assert without_quotients(formula, ["t"]) == (formula, ())
+    assert len(taken) < 10  # of each candidate for z in each quotient, it was 1,000 and more
