@@ -98,6 +98,9 @@ def import_source(folder: Path, files: Mapping[str, bytes], name: str) -> types.
         package, _, missed = (error.name or "").partition(".")
         if package != top:
             raise
-        raise LoadError(
-            f"{folder}: {missed.replace('.', '/')}.py is wanted, and its manifest does not list it"
-        ) from None
+        raise not_listed(folder, f"{missed.replace('.', '/')}.py") from None
+
+
+def not_listed(folder: Path, name: str) -> LoadError:
+    """Error of a folder whose manifest does not list a file that is wanted."""
+    return LoadError(f"{folder}: {name} is wanted, and its manifest does not list it")

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.model.errors import MotionError, SolveError
-from kousoku.runtime.importing import import_source
+from kousoku.runtime.importing import import_source, not_listed
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 
     Tree = tuple["Tree", ...]
 
+#: The tables of the methods in C.
+METHODS_HEADER = "integrate/methods.h"
 #: Orders of the polynomials inside of a step, and orders up to which estimates of errors vanish.
 INSIDE = {"dopri5": 4, "dop853": 7}
 ESTIMATES = {"dopri5": (4,), "dop853": (5, 3)}
@@ -126,15 +128,22 @@ def table_problems(folder: Path, files: Mapping[str, bytes]) -> Iterator[str]:
         A scene's folder.
     files : mapping of str to bytes
         Its files.
+
+    Raises
+    ------
+    LoadError
+        The folder lacks a table, or its manifest does not list it.
     """
     methods = import_source(folder, files, "integrate/methods.py").METHODS
     dense = import_source(folder, files, "integrate/dense_output.py")
-    text = files["integrate/methods.h"].decode()
+    if METHODS_HEADER not in files:
+        raise not_listed(folder, METHODS_HEADER)
+    text = files[METHODS_HEADER].decode()
     for method in methods:
         yield from wrong_conditions(method)
         yield from wrong_inside(method, dense)
         if _in_c(method.name, text) != _in_python(method):
-            yield f"{method.name}: integrate/methods.h has other numbers than integrate/methods.py"
+            yield f"{method.name}: {METHODS_HEADER} has other numbers than integrate/methods.py"
 
 
 def _in_c(name: str, text: str) -> dict[str, list[float]]:

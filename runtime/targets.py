@@ -11,7 +11,7 @@ from kousoku.model.errors import CacheError, LoadError
 from kousoku.runtime.lanes import from_lanes, to_lanes
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
     from pathlib import Path
 
     from kousoku.model.files.manifest import KernelManifest, Manifest
@@ -87,9 +87,7 @@ class CTarget:
     def __init__(
         self, library: ctypes.CDLL, prefix: str, manifest: KernelManifest, width: int
     ) -> None:
-        self._single = library[f"{prefix}_call"]
-        self._batch = library[f"{prefix}_batch"]
-        self._lanes = library[f"{prefix}_lanes"]
+        self._single, self._batch, self._lanes = _functions(library, prefix)
         for function in (self._single, self._batch, self._lanes):
             function.restype = None
         self._sizes = tuple(q.size for q in manifest.inputs)
@@ -113,6 +111,11 @@ class CTarget:
         """Evaluate blocks of ``width`` lanes."""
         n = ctypes.c_size_t(call.n or 0)
         self._lanes(n, _pointers(call.inputs), _pointers(call.out))
+
+
+def _functions(library: ctypes.CDLL, prefix: str) -> Iterator[Any]:
+    """Functions of a kernel: one evaluation, a batch, blocks of lanes."""
+    return (library[f"{prefix}_{name}"] for name in ("call", "batch", "lanes"))
 
 
 def _pointers(arrays: Sequence[Floats | None]) -> ctypes.Array[ctypes.c_void_p]:
@@ -164,8 +167,9 @@ def lane_width(library: ctypes.CDLL, package: str) -> int:
 
 
 def _difference(library: ctypes.CDLL, package: str, kernels: Sequence[KernelManifest]) -> str:
-    """Difference of exported signatures from the manifest's, ``""`` if there is none."""
+    """Difference of exported kernels from the manifest's, ``""`` if there is none."""
     for kernel in kernels:
+        list(_functions(library, f"{package}_{kernel.name}"))
         exported = _text(library, f"{package}_{kernel.name}_signature")
         if exported != kernel.signature:
             return (

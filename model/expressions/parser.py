@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import re
 from fractions import Fraction
+from sys import float_info
 from typing import TYPE_CHECKING
 
 from kousoku.model.angles import DEGREE, PI
@@ -32,6 +33,7 @@ from kousoku.model.operations.expression import (
     mul,
     neg,
     number,
+    ordered,
     power,
     symbol,
 )
@@ -113,6 +115,9 @@ class _Parser:
             is_factor = self.kind in {"name", "number"} or self.token == "("
             after = "; write the multiplication sign" if is_factor else ""
             raise self.error(f"{self.token[:40]!r} stands where an operator is wanted{after}")
+        largest = max(abs(part.value or 0) for part in ordered(expression))
+        if largest > float_info.max:
+            raise self.error(f"has a number beyond {float_info.max:.1e}, the largest double", 0)
         return expression
 
     def error(self, problem: str, start: int | None = None) -> ExpressionError:

@@ -140,6 +140,14 @@ def write_tiny(
     return folder
 
 
+def unlist(folder: Path, name: str) -> None:
+    """Leave a file out of the manifest, whose digest is not over the files."""
+    path = folder / "manifest.json"
+    manifest = Manifest.from_json(path.read_text(encoding="utf-8"))
+    files = tuple(listed for listed in manifest.files if listed[0] != name)
+    path.write_text(replace(manifest, files=files).to_json(), encoding="utf-8")
+
+
 @pytest.fixture
 def cache(empty_cache: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Empty cache folder; only the library of the package is built into it."""

@@ -23,6 +23,7 @@ from kousoku.model.files.manifest import Manifest
 from kousoku.model.reading.read import read_scene
 from kousoku.runtime import notice, verify
 from kousoku.runtime.dynamics import load_dynamics
+from tests.runtime.conftest import unlist
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -90,6 +91,13 @@ def test_all_that_a_scene_computes_is_verified(tmp_path: Path, name: str) -> Non
     assert {row.output for row in report.rows if row.kernel == "solver"} == {
         name for name, (_, size) in places.items() if size
     }
+
+
+@pytest.mark.parametrize("name", ["integrate/methods.h", "integrate/methods.py"])
+def test_tables_that_the_manifest_does_not_list_are_named(folder: Path, name: str) -> None:
+    unlist(folder, name)
+    report = verify(folder, target="numpy")
+    assert any(f"{name} is wanted, and its manifest does not list it" in p for p in report.problems)
 
 
 @pytest.mark.usefixtures("compiler")

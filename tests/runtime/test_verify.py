@@ -20,7 +20,7 @@ from kousoku.runtime import load, verify
 from kousoku.runtime.reference import Reference, read_references
 from kousoku.runtime.report import LIMIT
 from kousoku.runtime.sources import read_files
-from tests.runtime.conftest import SAID, write_tiny
+from tests.runtime.conftest import SAID, unlist, write_tiny
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -174,6 +174,15 @@ def test_a_truncated_library_is_named_once_and_built_again(tiny: Path) -> None:
     )
     assert all(row.ok for row in report.rows)
     assert verify(tiny).ok
+
+
+@pytest.mark.usefixtures("compiler", "cache")
+def test_a_library_without_batches_is_named(tmp_path: Path) -> None:
+    unlist(write_tiny(tmp_path / "tiny"), "kernels_batch.c")
+    report = verify(tmp_path / "tiny")
+    assert not report.ok
+    assert "is not the library of the package 'tiny'" in report.problems[0]
+    assert "_batch" in report.problems[0]
 
 
 @pytest.mark.usefixtures("compiler", "cache")

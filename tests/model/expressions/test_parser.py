@@ -102,6 +102,8 @@ def test_every_function_can_be_called(name: str) -> None:
         ("0^-1", 1, "zero to a power"),
         ("1e51", 1, "too large"),
         ("1e-200", 1, "too small"),
+        ("t + 9^900*x", 1, "has a number beyond 1.8e+308, the largest double"),
+        ("t^-9^900", 1, "has a number beyond 1.8e+308"),
         ("t; x", 2, "';' belongs to no formula"),
         ("t = 2", 3, "'=' belongs to no formula"),
         ("[t]", 1, "'[' belongs to no formula"),
