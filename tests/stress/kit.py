@@ -282,7 +282,8 @@ def falsify(
     check : callable
         Raises :class:`Disagreement`, or anything that kousoku must not raise.
     seed : int
-        The same one gives the same examples.
+        The same one gives the same examples in a process that has loaded the same modules:
+        Hypothesis draws numbers and texts of theirs, too.
     examples : int
         How many are tried.
     """
