@@ -11,7 +11,7 @@ from kousoku.model.errors import CacheError, LoadError
 from kousoku.runtime.lanes import from_lanes, to_lanes
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Sequence
     from pathlib import Path
 
     from kousoku.model.files.manifest import KernelManifest, Manifest
@@ -113,9 +113,9 @@ class CTarget:
         self._lanes(n, _pointers(call.inputs), _pointers(call.out))
 
 
-def _functions(library: ctypes.CDLL, prefix: str) -> Iterator[Any]:
-    """Functions of a kernel: one evaluation, a batch, blocks of lanes."""
-    return (library[f"{prefix}_{name}"] for name in ("call", "batch", "lanes"))
+def _functions(library: ctypes.CDLL, prefix: str) -> list[Any]:
+    """Functions of a kernel: one evaluation, a batch, blocks of lanes; none may be missing."""
+    return [library[f"{prefix}_{name}"] for name in ("call", "batch", "lanes")]
 
 
 def _pointers(arrays: Sequence[Floats | None]) -> ctypes.Array[ctypes.c_void_p]:
@@ -169,7 +169,7 @@ def lane_width(library: ctypes.CDLL, package: str) -> int:
 def _difference(library: ctypes.CDLL, package: str, kernels: Sequence[KernelManifest]) -> str:
     """Difference of exported kernels from the manifest's, ``""`` if there is none."""
     for kernel in kernels:
-        list(_functions(library, f"{package}_{kernel.name}"))
+        _functions(library, f"{package}_{kernel.name}")
         exported = _text(library, f"{package}_{kernel.name}_signature")
         if exported != kernel.signature:
             return (
