@@ -49,6 +49,9 @@ if TYPE_CHECKING:
 LONGEST_FORMULA = 2000
 """Characters of the longest formula."""
 
+LARGEST_DOUBLE = Fraction(float_info.max)
+"""What a number in a formula may come to."""
+
 DEEPEST = 60
 """Levels of the deepest formula: parentheses, and operations on results of others."""
 
@@ -115,8 +118,8 @@ class _Parser:
             is_factor = self.kind in {"name", "number"} or self.token == "("
             after = "; write the multiplication sign" if is_factor else ""
             raise self.error(f"{self.token[:40]!r} stands where an operator is wanted{after}")
-        largest = max(abs(part.value or 0) for part in ordered(expression))
-        if largest > float_info.max:
+        numbers = (part.value for part in ordered(expression) if part.value is not None)
+        if any(abs(value) > LARGEST_DOUBLE for value in numbers):
             raise self.error(f"has a number beyond {float_info.max:.1e}, the largest double", 0)
         return expression
 
