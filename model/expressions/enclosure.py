@@ -154,11 +154,18 @@ def _magnitude(x: Bounds) -> Bounds:
 
 
 def _reciprocal(x: Bounds) -> Bounds:
-    """Bounds of 1 / x: infinite where x may be zero, as then the product of both ends is."""
+    """Bounds of 1 / x: within ± the largest, which is infinite where x may be zero.
+
+    Elsewhere they are 1 / most and 1 / least. What tells the two apart is h/h, which is no number
+    where h is 0 or infinite: maxima and minima leave it out.
+    """
     if x.is_point:
         return _point(div(ONE, x.least))
-    product = apply(Op.ABS, _most(mul(x.least, x.most), ZERO))
-    return Bounds(div(x.least, product), div(x.most, product))
+    h = apply(Op.ABS, _most(x.least, neg(x.most), ZERO))  # how far x is from zero; not -0
+    largest, is_apart = div(ONE, h), div(h, h)
+    return Bounds(
+        _most(neg(largest), div(is_apart, x.most)), _least(largest, div(is_apart, x.least))
+    )
 
 
 def _power(a: Bounds, b: Bounds) -> Bounds:

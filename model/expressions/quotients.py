@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from kousoku.model.expressions.derivative import derivative
 from kousoku.model.expressions.enclosure import Bounds, enclosure, product_of
 from kousoku.model.expressions.polynomials import polynomial_of
+from kousoku.model.expressions.switching import SWITCHES
 from kousoku.model.operations.expression import (
     ONE,
     ZERO,
@@ -204,18 +205,25 @@ def _factors(part: Expression) -> Iterator[Expression]:
 def _split_by_z(
     factors: list[Expression], place: Expression, varying: Collection[str]
 ) -> tuple[Expression, Expression, Expression]:
-    """Product of factors that depend on z alone, in z and as written, and that of the others."""
+    """Product of smooth factors that depend on z alone, in z and as written, and of the others.
+
+    Taylor's theorem does not hold where derivatives jump.
+    """
     functions_of_z: list[Expression] = []
     written: list[Expression] = []
     others: list[Expression] = []
     for factor in factors:
         in_z = _in_z(factor, place, varying)
-        if set(varying).isdisjoint(names_of(in_z)):
+        if set(varying).isdisjoint(names_of(in_z)) and not _has_kink(in_z):
             functions_of_z.append(in_z)
             written.append(factor)
         else:
             others.append(factor)
     return mul(*functions_of_z), mul(*written), mul(*others)
+
+
+def _has_kink(in_z: Expression) -> bool:
+    return any(part.op in SWITCHES and Z in names_of(part) for part in ordered(in_z))
 
 
 def _in_z(formula: Expression, place: Expression, varying: Collection[str]) -> Expression:

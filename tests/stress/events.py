@@ -140,6 +140,11 @@ LAWS = {
     "window": Law("abs(u - c) - 0.001", lambda c, _: [c - 0.001, c + 0.001]),
     "root": Law("sign(u - c)*sqrt(abs(u - c))", lambda c, _: [c]),
     "quotient": Law("(u - c)/(2 + cos(7*u))", lambda c, _: [c]),
+    "hill": Law(
+        "1/(1 + ((u - c)/(0.02*(sin(3*u)^2 + cos(3*u)^2)))^2) - 0.5",
+        lambda c, _: [c - 0.02, c + 0.02],
+    ),
+    "kinked_quotient": Law("sin(u)*abs(u - c)/sin(u) - 0.001", lambda c, _: [c - 0.001, c + 0.001]),
 }
 NAMES = {"place": "x", "speed": "x_dot"}
 

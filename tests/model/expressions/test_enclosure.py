@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import math
+import random
+
 import pytest
 
 from kousoku.model.expressions.enclosure import Bounds, enclosure
 from kousoku.model.expressions.parser import DEEPEST, parse_expression
 from kousoku.model.operations.expression import ordered, symbol
+from tests.in_doubles import in_doubles
 
 SPANS = {"t": Bounds(symbol("t_least"), symbol("t_most"))}
 
@@ -21,3 +25,22 @@ def test_the_deepest_formula_has_bounds_of_a_size_that_grows_with_it(form: str) 
         bounds = enclosure(parse_expression(text, ["t"]), SPANS)
         sizes.append(len(list(ordered(bounds.most))))
     assert sizes[1] < 3 * sizes[0]
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["1/t", "1/abs(t)", "t^-2", "t^-3", "1/(1 + (1/t)^2)", "1/(1 + exp(1/t))", "min(1/t^2, 3)",
+     "1/(1 + 1/(1 + 1/t))", "1/(t - t^2)", "1/(1 + (t/(cos(t)^2 + 0.1))^2)"],
+)  # fmt: skip
+def test_no_value_of_a_quotient_is_outside(text: str) -> None:
+    """Where a divisor might be zero, its reciprocal was infinite for sure, or no number."""
+    draw, formula = random.Random(text), parse_expression(text, ["t"])
+    bounds = enclosure(formula, SPANS)
+    for _ in range(2000):
+        ends = sorted(draw.choice((draw.gauss(0.0, 2.0), 0.0, 1e-200, 1e200)) for _ in range(2))
+        place = ends[0] + (ends[1] - ends[0]) * draw.random()
+        values = dict(zip(("t_least", "t_most"), ends, strict=True))
+        least, most = (in_doubles(bound, values) for bound in bounds)
+        value = in_doubles(formula, {"t": place})
+        rounding = 1e-12 * (1.0 + abs(value))
+        assert math.isnan(value) or least - rounding <= value <= most + rounding

@@ -76,6 +76,15 @@ def test_others_stay_what_they_are(text: str) -> None:
     assert without_quotients(formula, SPANS) == (formula, ())
 
 
+def test_factors_with_kinks_are_none_of_what_is_divided_by_z() -> None:
+    """Their derivatives by the rules do not tell what happens across the kink."""
+    formula = parse_expression("abs(t - 5)*(t - 5)/atan(t - 5)", ["t"])
+    _, (quotient,) = without_quotients(formula, SPANS)
+    assert quotient.formula == parse_expression("(t - 5)/atan(t - 5)", ["t"])
+    formula = parse_expression("abs(t - 5)/sin(t - 5)", ["t"])
+    assert without_quotients(formula, SPANS) == (formula, ())
+
+
 def test_factors_are_those_of_taylor() -> None:
     formula = parse_expression("(exp(t) - 1)/t", ["t"])
     _, (quotient,) = without_quotients(formula, SPANS)
