@@ -51,6 +51,11 @@ RISING = frozenset(
         *(Op.LOG_SUM, Op.SHARE),
     }
 )
+#: Where functions of one argument have values, if not everywhere: from here, to there.
+DOMAINS: dict[Op, tuple[Expression, Expression | None]] = {
+    **dict.fromkeys((Op.SQRT, Op.LOG), (ZERO, None)),
+    **dict.fromkeys((Op.ASIN, Op.ACOS), (number(-1), ONE)),
+}
 
 
 def enclosure(expression: Expression, spans: Mapping[str, Bounds]) -> Bounds:
@@ -75,6 +80,7 @@ def _applied(op: Op, args: Sequence[Bounds]) -> Bounds:
     """Bounds of a function of intervals."""
     if all(x.is_point for x in args):
         return _point(composed(op, *(x.least for x in args)))
+    args = [_within(x, *DOMAINS[op]) if op in DOMAINS else x for x in args]
     first = args[0]
     match op:
         case Op.ADD:
@@ -148,6 +154,12 @@ def quotient_of(a: Bounds, b: Bounds) -> Bounds:
     return product_of(a, _reciprocal(b))
 
 
+def _within(x: Bounds, first: Expression, last: Expression | None) -> Bounds:
+    """Part of an interval that is in a domain; one that is outside as a whole stays there."""
+    least = _most(x.least, _least(x.most, first))
+    return Bounds(least, x.most if last is None else _least(x.most, _most(x.least, last)))
+
+
 def _magnitude(x: Bounds) -> Bounds:
     """Bounds of the absolute value."""
     return Bounds(_most(x.least, neg(x.most), ZERO), _most(neg(x.least), x.most))
@@ -171,11 +183,10 @@ def _reciprocal(x: Bounds) -> Bounds:
 def _power(a: Bounds, b: Bounds) -> Bounds:
     exponent = b.least.value
     if exponent is None:
-        logarithm = Bounds(apply(Op.LOG, a.least), apply(Op.LOG, a.most))
-        return _applied(Op.EXP, [product_of(b, logarithm)])
+        return _applied(Op.EXP, [product_of(b, _applied(Op.LOG, [a]))])
     size = number(abs(exponent))
     if exponent.denominator > 1:  # of a positive number only: others have no power
-        a = Bounds(_most(a.least, _least(a.most, ZERO)), a.most)
+        a = _within(a, ZERO, None)
     elif exponent.numerator % 2 == 0:
         a = _magnitude(a)
     bounds = Bounds(power(a.least, size), power(a.most, size))
