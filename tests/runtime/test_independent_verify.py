@@ -420,7 +420,7 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
     ),
     "bounds of a quotient": (
         *("watched", enclosure, "_reciprocal"),
-        *("_most(mul(x.least, x.most), ZERO)", "mul(x.least, x.most)"),
+        *("_most(x.least, neg(x.most), ZERO)", "_most(x.least, neg(x.most))"),
     ),
     "bounds of a sine": (
         *("watched", enclosure, "_wave"),
